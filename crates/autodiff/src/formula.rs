@@ -1,4 +1,4 @@
-//! [`Formula`]: the formula of an energy, recorded from a closure.
+//! [`Formula`]: the formula of an energy, traced from a closure.
 
 use crate::hamiltonian::Hamiltonian;
 use crate::recording::recorder::Recording;
@@ -6,8 +6,8 @@ use crate::recording::trace::record;
 use crate::routes::traced::Traced;
 use crate::{BuildError, Var};
 
-/// The formula of an energy, recorded from a closure in this thread: another thread may make the
-/// [`Hamiltonian`] of it.
+/// The formula of an energy, traced from a closure in this thread. Another thread may build the
+/// [`Hamiltonian`] from it.
 #[derive(Debug)]
 pub struct Formula {
     route: Recording,
@@ -15,10 +15,10 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// Records H(q, p) as [`Hamiltonian::new`] does.
+    /// Traces H(q, p) like [`Hamiltonian::new`].
     ///
     /// # Errors
-    /// Those of [`Hamiltonian::new`], but for constants that are not finite.
+    /// The errors of [`Hamiltonian::new`], except for constants that are not finite.
     pub fn new(m: usize, energy: impl FnOnce(&[Var], &[Var]) -> Var) -> Result<Self, BuildError> {
         Ok(Formula {
             route: record(m, energy)?,
@@ -26,10 +26,10 @@ impl Formula {
         })
     }
 
-    /// Records H(t, q, p) as [`Hamiltonian::with_time`] does.
+    /// Traces H(t, q, p) like [`Hamiltonian::with_time`].
     ///
     /// # Errors
-    /// Those of [`Hamiltonian::with_time`], but for constants that are not finite.
+    /// The errors of [`Hamiltonian::with_time`], except for constants that are not finite.
     pub fn with_time(
         m: usize,
         energy: impl Fn(Var, &[Var], &[Var]) -> Var,
@@ -43,17 +43,17 @@ impl Formula {
         })
     }
 
-    /// Operations as they were recorded, components of the state included.
+    /// The number of traced operations, including the components of the state.
     pub fn len(&self) -> usize {
         self.route.operations.nodes.len()
     }
 
-    /// Whether nothing was recorded, which no energy is.
+    /// Whether the trace is empty, which is the case for no energy.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The energy.
+    /// Builds the energy.
     ///
     /// # Errors
     /// [`BuildError`] if a constant is NaN or infinite.
@@ -72,16 +72,16 @@ impl Formula {
 }
 
 impl Hamiltonian {
-    /// Records the energy of a system with m degrees of freedom. The closure is called once, here; what it
-    /// captures is recorded as constants, which each float type reads in its own precision.
+    /// Traces the energy of a system with m degrees of freedom. The closure is called once, here. Captured
+    /// numbers become constants, which each float type reads in its own precision.
     ///
     /// # Errors
-    /// [`BuildError`] if m = 0, if the closure compares the state or reads a number out of it, if it uses
-    /// variables of another recording, if a constant is NaN or infinite, or if there are more degrees of
-    /// freedom or operations than a recording has places for.
+    /// [`BuildError`] if m = 0, if the closure compares the state or reads a number out of the state, if it
+    /// uses variables of another trace, if a constant is NaN or infinite, or if there are more degrees of
+    /// freedom or operations than a trace can hold.
     ///
     /// # Panics
-    /// If the closure panics, and if it waits in an endless loop for a comparison of the state to come true.
+    /// If the closure panics, or if it waits in an endless loop for a comparison of the state to become true.
     ///
     /// ```
     /// use equip_autodiff::{BuildError, Hamiltonian};
@@ -92,17 +92,17 @@ impl Hamiltonian {
         Formula::new(m, energy)?.hamiltonian()
     }
 
-    /// Records an energy H(t, q, p) that depends on time, of a system with m degrees of freedom. Runs of it
-    /// start, and are read, like all others; as a function to be watched or to find events of it is H itself.
+    /// Traces an energy H(t, q, p) that depends on time, for a system with m degrees of freedom. Runs of it
+    /// take and return (q, p) like all others. As an invariant or event function it is H itself.
     ///
-    /// What is integrated is an energy that can be conserved: time as a further position, and its
-    /// momentum p_t as a further one,
+    /// The integrator integrates an energy that can be conserved, with time as a further position and its
+    /// momentum p_t as a further momentum,
     ///
     /// $$ K = H(t, q, p) + p_t, \qquad \frac{dt}{dt} = 1, \qquad \frac{dp_t}{dt} = -\frac{\partial
     /// H}{\partial t} , $$
     ///
-    /// of states (q, t, p, p_t). With p_t = 0 at the start −p_t is the energy that has gone in since, and K
-    /// is H less that: it stays what it was.
+    /// on states (q, t, p, p_t). With p_t = 0 at the start, −p_t is the energy supplied since the start, and
+    /// K is H minus this energy: K is constant.
     ///
     /// # Errors
     /// See [`new`](Self::new). The closure is called twice.

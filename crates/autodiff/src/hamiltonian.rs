@@ -1,4 +1,4 @@
-//! [`Hamiltonian`]: an energy with everything derived from it.
+//! [`Hamiltonian`]: an energy, and everything derived from it.
 
 use crate::external::energy::External;
 use crate::external::given::GivenGradient;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// A scalar energy H(q, p): its value, gradient, Hessian and structure, in any float type.
 ///
-/// An invariant is a scalar function of (q, p) as well, and is given the same way.
+/// An invariant is a scalar function of (q, p) as well, and is given in the same way.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -32,17 +32,17 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Hamiltonian {
     pub(crate) energy: Energy,
-    /// A gradient of the user's own, for doubles.
+    /// A user-supplied gradient, for doubles.
     pub(crate) gradient: Option<GivenGradient>,
-    /// H(t, q, p) alone, where the trace has H + p_t.
+    /// H(t, q, p) alone, if the trace is that of H + p_t.
     pub(crate) alone: Option<Traced>,
-    /// Of y' = B(y)∇H(y), if B is not J.
+    /// The bracket of y' = B(y)∇H(y), if B is not J.
     pub(crate) bracket: Option<Box<(Traced, Bracket)>>,
-    /// Components of the state: an odd number if the last place is left free.
+    /// The number of components of the state. It is odd if the last component is unused.
     pub(crate) components: usize,
 }
 
-/// Where H comes from.
+/// The source of H.
 #[derive(Debug, Clone)]
 pub(crate) enum Energy {
     Traced(Traced),
@@ -60,14 +60,13 @@ impl Hamiltonian {
         }
     }
 
-    /// With the bracket of this bilinear form.
+    /// Sets the bracket given by this bilinear form.
     pub(crate) fn set_bracket(&mut self, form: Traced) {
         let bracket = Bracket::new(self.energy_structure(), &form.shared.structure);
         self.bracket = Some(Box::new((form, bracket)));
     }
 
-    /// What is recorded, as a function of the state alone: H, also where H depends on time, which is the last
-    /// position then.
+    /// The trace as a function of the state alone: H. If H depends on time, time is the last position.
     #[must_use]
     pub fn alone(&self) -> Hamiltonian {
         match &self.alone {
@@ -79,13 +78,13 @@ impl Hamiltonian {
         }
     }
 
-    /// The recorded energy as bytes, with its constants to all their digits and its tables:
-    /// [`from_bytes`](Self::from_bytes) makes it again, on any machine, without the closure.
+    /// The traced energy as bytes, with all digits of its constants and with its tables.
+    /// [`from_bytes`](Self::from_bytes) restores the energy on any machine without the closure.
     ///
     /// # Errors
-    /// [`BytesError::External`] if H is external; [`BytesError::NotData`] if it calls closures, as those of
-    /// `Custom`;
-    /// [`BytesError::ComponentsNotUsed`] if it has more than 65 536 components and depends on few of them.
+    /// [`BytesError::External`] if H is external; [`BytesError::NotData`] if it calls closures such as those
+    /// of `Custom`; [`BytesError::ComponentsNotUsed`] if it has more than 65 536 components and depends on
+    /// few of them.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -107,22 +106,23 @@ impl Hamiltonian {
         })
     }
 
-    /// The energy of which [`to_bytes`](Self::to_bytes) made these bytes: all bits of its values, derivatives
-    /// and runs are the same.
+    /// Restores the energy from the bytes of [`to_bytes`](Self::to_bytes). Its values, derivatives and runs
+    /// agree bit for bit.
     ///
     /// # Errors
-    /// [`BytesError`] if they are damaged, of another format, or those of no energy, if a constant is NaN or
-    /// infinite, or if there are tables in them. Memory is bounded by the number of bytes, whatever stands in
-    /// them.
+    /// [`BytesError`] if the bytes are damaged, have another format, or are not an energy, if a constant is
+    /// NaN or infinite, or if they contain tables. Memory is bounded by the number of bytes, whatever their
+    /// content.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, BytesError> {
         Self::from_bytes_with(bytes, |_| None)
     }
 
-    /// The same with functions from outside, which `functions` makes of what [`Outside::to_bytes`] has made
-    /// of them: for tables `|bytes| equip_tables::from_bytes(bytes).ok()`.
+    /// The same with external functions, which `functions` restores from the bytes of [`Outside::to_bytes`]:
+    /// for tables `|bytes| equip_tables::from_bytes(bytes).ok()`.
     ///
     /// # Errors
-    /// As [`from_bytes`](Self::from_bytes); [`BytesError::UnknownFunction`] where `functions` answers `None`.
+    /// The errors of [`from_bytes`](Self::from_bytes); [`BytesError::UnknownFunction`] if `functions` returns
+    /// `None`.
     pub fn from_bytes_with(
         bytes: &[u8],
         functions: impl Fn(&[u8]) -> Option<Arc<dyn Outside>>,
@@ -137,9 +137,9 @@ impl Hamiltonian {
         Ok(system)
     }
 
-    /// Arithmetic operations and function calls of one evaluation of H as it is replayed: repeated
-    /// subexpressions counted once, those of constants and those that do not reach H not at all. 0 of an
-    /// external energy.
+    /// The number of arithmetic operations and function calls of one evaluation of H, as it is replayed.
+    /// Repeated subexpressions count once. Operations on constants, and those that H does not depend on, do
+    /// not count. 0 for an external energy.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -163,8 +163,8 @@ impl Hamiltonian {
         self.counted(Traced::gradient_operations)
     }
 
-    /// The same for all entries of ∇²H. Where these are too many to be recorded, and are made by products
-    /// with vectors, three evaluations of ∇H are counted for each.
+    /// The same for all entries of ∇²H. If the entries are too many to be traced, they are computed by
+    /// products with vectors, and each product counts as three evaluations of ∇H.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -184,22 +184,22 @@ impl Hamiltonian {
     }
 }
 
-/// What is known of H, and what evaluates it.
+/// Properties of H, and its evaluation.
 impl Hamiltonian {
-    /// Degrees of freedom m; the state y = (q, p) has 2m components. Where H depends on time it counts as
-    /// one, the last.
+    /// The number m of degrees of freedom; the state y = (q, p) has 2m components. If H depends on time, time
+    /// counts as the last degree of freedom.
     pub fn degrees_of_freedom(&self) -> usize {
         self.structure().degrees_of_freedom
     }
 
-    /// Whether H depends on time, which is the last position then, and K = H + p_t is what is integrated
+    /// Whether H depends on time. Time is then the last position, and K = H + p_t is integrated
     /// ([`with_time`](Self::with_time)).
     pub fn has_time(&self) -> bool {
         self.alone.is_some()
     }
 
-    /// Separability, degree and sparsity of H. Of a system with a bracket the pattern is that of w'
-    /// ([`Evaluator`](crate::Evaluator)), and H does not separate.
+    /// Separability, degree and sparsity of H. For a system with a bracket the pattern is that of w'
+    /// ([`Evaluator`](crate::Evaluator)), and H counts as not separable.
     pub fn structure(&self) -> &Structure {
         match &self.bracket {
             Some(of) => &of.1.structure,
@@ -215,19 +215,20 @@ impl Hamiltonian {
     }
 }
 
-/// Functions of the user's own.
+/// User-supplied functions.
 impl Hamiltonian {
-    /// An energy computed by code of its own, in doubles: C code, an interpolator, a learned energy.
-    /// `value(q, p)` is H, `gradient(q, p, dq, dp)` writes ∂H/∂q into `dq` and ∂H/∂p into `dp`; all slices
-    /// have length m. `accuracy` is the relative rounding error of the values: [`f64::EPSILON`] in doubles.
+    /// An energy computed by user code, in doubles: C code, an interpolator, a learned energy. `value(q, p)`
+    /// is H, `gradient(q, p, dq, dp)` writes ∂H/∂q to `dq` and ∂H/∂p to `dp`. All slices have length m.
+    /// `accuracy` is the relative rounding error of the values: [`f64::EPSILON`] in doubles.
     ///
-    /// A run compares the gradient with differences of H where it starts, and now and then on its way. The
-    /// structure of H is unknown: ∇²H is made by 2n gradients and has n² entries, kinks are not seen, and a
-    /// run in another float knows H and ∇H to doubles only. A closure of [`new`](Self::new) is faster.
+    /// A run compares the gradient with differences of H at its start and occasionally later. The structure
+    /// of H is unknown: ∇²H takes 2n gradients and has n² entries, discontinuities are not detected, and a
+    /// run in another float type knows H and ∇H in double precision only. A closure of [`new`](Self::new) is
+    /// faster.
     ///
     /// # Errors
     /// [`BuildError::NoDegreesOfFreedom`], [`BuildError::TooManyDegreesOfFreedom`]; [`BuildError::Accuracy`]
-    /// outside of ε ≤ `accuracy` < 1.
+    /// unless ε ≤ `accuracy` < 1.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -257,9 +258,9 @@ impl Hamiltonian {
         })
     }
 
-    /// The same energy with a gradient written by hand, used in place of automatic differentiation when the
-    /// float type is `f64`: `gradient(q, p, dq, dp)` writes ∂H/∂q into `dq` and ∂H/∂p into `dp`. Where H
-    /// depends on time these are (q, t) and (p, p_t), and ∂/∂p_t is 1.
+    /// The same energy with a user-supplied gradient, which replaces automatic differentiation if the float
+    /// type is `f64`. `gradient(q, p, dq, dp)` writes ∂H/∂q to `dq` and ∂H/∂p to `dp`. If H depends on time,
+    /// these are (q, t) and (p, p_t), and ∂/∂p_t is 1.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -284,11 +285,11 @@ impl Hamiltonian {
         self
     }
 
-    /// Compares a gradient written by hand with H at the state y = (q, p), length n: with automatic
-    /// differentiation to √ε of the largest component, or, of an external energy, with differences.
+    /// Compares a user-supplied gradient with H at the state y = (q, p), length n: with automatic
+    /// differentiation to √ε of the largest component, or with differences if the energy is external.
     ///
     /// # Errors
-    /// [`BuildError::WrongGradient`] names the first component that differs.
+    /// [`BuildError::WrongGradient`] with the first component that differs.
     ///
     /// ```
     /// use equip_autodiff::{BuildError, Hamiltonian};

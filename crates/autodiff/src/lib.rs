@@ -5,24 +5,24 @@
 //! | an energy | written as | derivatives |
 //! |---|---|---|
 //! | [`Hamiltonian::new`] | `\|q, p\| ...` over [`Var`] | by reverse mode from the trace of H, in `f64` as machine code |
-//! | [`Hamiltonian::with_time`] | `\|t, q, p\| ...` over [`Var`] | of H + p_t, time and its momentum p_t as one more degree of freedom |
+//! | [`Hamiltonian::with_time`] | `\|t, q, p\| ...` over [`Var`] | of H + p_t, with time and its momentum p_t as one more degree of freedom |
 //! | either [`with_gradient`](Hamiltonian::with_gradient) | and `\|q, p, dq, dp\| ...` over `f64` | the given gradient in `f64`; Hessian from the trace |
 //! | [`Hamiltonian::of_state`] [`with_bracket`](Hamiltonian::with_bracket) | `\|y\| ...` over [`Var`], H and B(y) | of y' = B(y)∇H(y) |
 //! | [`Hamiltonian::external`] | value and gradient over `f64` | the given gradient; Hessian by differences |
 //!
-//! Machine code is made of arithmetic, √ and |x|, for x86-64 with AVX2 or AVX-512, at the first call; all
-//! else is replayed from the tape. Every bit is the same.
+//! At the first call, an energy of arithmetic, √ and |x| is compiled to machine code for x86-64 with AVX2 or
+//! AVX-512. Other energies are replayed from a tape. Both give the same results bit for bit.
 //!
-//! An [`Evaluator`] computes all of it in one float type.
+//! An [`Evaluator`] computes values and derivatives in one float type.
 //!
-//! Cost, in operations of H: a gradient one to three times as many; ∇²H·v about six; all entries of ∇²H one
-//! to ten where each term of H has a few variables, and no more than six for each entry of the fullest row.
-//! What is recorded is made at its first call: ∇²H takes some 2 µs an operation.
+//! Cost, in operations of H: a gradient one to three times as many; ∇²H·v about six times; all entries of ∇²H
+//! one to ten times if each term of H has a few variables, and no more than six for each entry of the fullest
+//! row. A trace of derivatives is computed at its first use; that of ∇²H takes about 2 µs an operation.
 //!
-//! Not supported: energies that branch on the state or read it out (refused when built), loops that wait for
+//! Not supported: energies that branch on the state or read it out (an error when built), loops that wait for
 //! convergence (use a fixed number of iterations), and functions beyond those of [`Num`](equip_scalar::Num).
-//! What is none of them can be given as an [`Outside`](equip_scalar::Outside), as the tables and closures of
-//! `equip-tables` are.
+//! Other functions can be given as an [`Outside`](equip_scalar::Outside), such as the tables and closures of
+//! `equip-tables`.
 #![forbid(unsafe_code)]
 
 mod derivative;

@@ -1,4 +1,4 @@
-//! Systems y' = B(y)∇H(y) whose bracket is not canonical, and functions of a state y.
+//! Systems y' = B(y)∇H(y) with a bracket that is not canonical, and functions of a state y.
 
 use crate::hamiltonian::Hamiltonian;
 use crate::recording::recorder::Recording;
@@ -8,11 +8,12 @@ use crate::{BuildError, Var};
 use equip_scalar::Float;
 
 impl Hamiltonian {
-    /// Records a function H(y) of a state with `n` components that are no pairs of positions and momenta: the
-    /// energy of a system [`with_bracket`](Self::with_bracket), or an invariant or event of one.
+    /// Traces a function H(y) of a state with `n` components that are not pairs of positions and momenta: the
+    /// energy of a system [`with_bracket`](Self::with_bracket), or an invariant or event function of such a
+    /// system.
     ///
-    /// Runs take and give the two [`halves`](Self::halves) of y in place of q and p. If n is odd, the second
-    /// half has one component more, which is 0.
+    /// Runs take and return the two [`halves`](Self::halves) of y in place of q and p. If n is odd, the
+    /// second half has an additional component, which is 0.
     ///
     /// # Errors
     /// See [`new`](Self::new).
@@ -27,16 +28,16 @@ impl Hamiltonian {
         })
     }
 
-    /// The system y' = B(y)∇H(y) of this energy. `entries` names the entries (i, j, B_ij) of one triangle
-    /// of the skew-symmetric B(y), i ≠ j from 0: B_ji = −B_ij follows, and what is not named is 0. The
-    /// closure is called once, and records as that of [`new`](Self::new) does.
+    /// The system y' = B(y)∇H(y) of this energy. `entries` lists the entries (i, j, B_ij), i ≠ j from 0, of
+    /// one triangle of the skew-symmetric B(y). B_ji = −B_ij follows, and entries not listed are 0. The
+    /// closure is called once and traced, like the closure of [`new`](Self::new).
     ///
-    /// B need not satisfy the Jacobi identity for H to be conserved. Quadratic Casimirs are conserved as all
-    /// quadratic invariants are, by every method. B is to be smooth where the motion passes.
+    /// B need not satisfy the Jacobi identity for H to be conserved. Quadratic Casimirs are conserved by the
+    /// methods that conserve quadratic invariants. B must be smooth along the motion.
     ///
     /// # Errors
-    /// [`BuildError::BracketEntry`] for entries outside of B or on its diagonal, and for pairs that are named
-    /// twice; [`BuildError::BracketWithTime`] if H depends on time; those of [`new`](Self::new).
+    /// [`BuildError::BracketEntry`] for entries outside B or on its diagonal, and for pairs that are listed
+    /// twice; [`BuildError::BracketWithTime`] if H depends on time; the errors of [`new`](Self::new).
     ///
     /// ```
     /// use equip_autodiff::{Hamiltonian, Var};
@@ -71,13 +72,13 @@ impl Hamiltonian {
         self.bracket.is_none()
     }
 
-    /// Components of the state: 2m, or one less where the last place is left free
+    /// The number of components of the state: 2m, or 2m − 1 if the last component is unused
     /// ([`of_state`](Self::of_state)).
     pub fn components(&self) -> usize {
         self.components
     }
 
-    /// The two halves of `y`, of m components each, as runs take them.
+    /// The two halves of `y`, of m components each, in the form that runs take.
     ///
     /// # Panics
     /// If `y` does not have as many components as the state.
@@ -94,8 +95,8 @@ impl Hamiltonian {
     }
 }
 
-/// Records the bilinear form of B ([`crate::structure::bracket`]) of a state with two halves of length m, of
-/// which so many `components` are used.
+/// Traces the bilinear form of B ([`crate::structure::bracket`]) for a state with two halves of length m, of
+/// which `components` are used.
 fn record_form(
     m: usize,
     components: usize,

@@ -1,10 +1,10 @@
 //! Runs of energy-preserving steps for Hamiltonian systems y' = J∇H(y): step control, dense output, events,
 //! checkpoints, the tangent map and the certificate.
 //!
-//! Folders, each importing from those before it only, but for the constants in `control`: `error`, `time` ←
-//! `options`, `control` ← `report` ← `checkpoints`, `dense` ← `events` ← `steppers` (one step at a time, and
-//! step control) ← `tangent` ← `runs` (whole intervals).
-//! The step itself is `equip-solver`'s, whose public names are given here as well.
+//! Each folder imports only from the folders before it, except for the constants in `control`: `error`,
+//! `time` ← `options`, `control` ← `report` ← `checkpoints`, `dense` ← `events` ← `steppers` (single steps,
+//! and step control) ← `tangent` ← `runs` (complete intervals). The step itself belongs to `equip-solver`,
+//! whose public names are re-exported here.
 #![forbid(unsafe_code)]
 
 mod checkpoints;

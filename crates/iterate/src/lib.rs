@@ -1,8 +1,9 @@
-//! The stage equations of a Gauss-type step, Z = K(α) L(Z), as a fixed-point iteration in any float.
+//! The stage equations of a Gauss-type step, Z = K(α) L(Z), as a fixed-point iteration in any floating-point
+//! type.
 //!
-//! This crate has the layout of stages, products with K(α), extrapolation from step to step, the contraction
-//! of the iteration and the linearised equations. It has no energy residual, no rule for α and no options;
-//! those are the solver's.
+//! This crate contains the layout of the stages, the products with K(α), the extrapolation from step to step,
+//! the contraction of the iteration and the linearised equations. The energy constraint, the rule for α and
+//! the options belong to the solver.
 //!
 //! An *iteration* is one evaluation Z ← K(α) L(Z) for all stages.
 #![forbid(unsafe_code)]

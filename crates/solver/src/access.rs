@@ -1,5 +1,5 @@
-//! What a run needs of a step, all in one place: everything public of [`Core`] and [`Constraint`] but what
-//! makes them, [`Core::step`], [`Core::complete`] and [`Core::forget`].
+//! The interface of a step to a run: everything public of [`Core`] and [`Constraint`] except the
+//! constructors, [`Core::step`], [`Core::complete`] and [`Core::forget`].
 
 use crate::equations::constraint::Constraint;
 use crate::memory::SolverMemory;
@@ -12,53 +12,53 @@ use equip_iterate::State;
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
-/// Where the step that failed last began, or the part of it that failed.
+/// The part of a step that failed last, or the complete step if it was not halved.
 #[derive(Debug, Clone, Copy)]
 pub struct FailedPart<'a, T> {
-    /// y there, length n.
+    /// y at the start of the part, length n.
     pub start: &'a [T],
-    /// Its time.
+    /// The time at the start of the part.
     pub time: T,
-    /// Size of the part.
+    /// The size of the part.
     pub step: T,
-    /// How often the step might have been halved.
+    /// How often the step could have been halved.
     pub max_halvings: u32,
 }
 
-/// What is fixed, and what has been counted.
+/// The fixed data, and the counts.
 impl<T: Float> Core<T> {
-    /// Nodes and weights.
+    /// The coefficients of the method.
     pub fn method(&self) -> &Coefficients<T> {
         &self.stages.method
     }
 
-    /// Whether α = 0 unless it conserves the energy, the one constraint.
+    /// Whether the initial α is zero and the energy is the only constraint.
     pub fn conserves_energy_alone(&self) -> bool {
         let is_zero = self.start_alphas.iter().all(|&alpha| alpha == T::int(0));
         is_zero && matches!(self.constraints.as_slice(), [energy] if energy.is_energy())
     }
 
-    /// n = 2m.
+    /// The number of components n = 2m.
     pub fn components(&self) -> usize {
         self.stages.iterate.components()
     }
 
-    /// H and its derivatives, for evaluations outside of the steps.
+    /// H and its derivatives, for evaluations outside the steps.
     pub fn energy_mut(&mut self) -> &mut Evaluator<T> {
         &mut self.energy
     }
 
-    /// Work and outcomes so far; outcomes are recorded by the run.
+    /// The work and outcomes so far. The run records the outcomes.
     pub fn counts(&self) -> &Counts {
         &self.counts
     }
 
-    /// The same, to be added to.
+    /// The counts, to be increased.
     pub fn counts_mut(&mut self) -> &mut Counts {
         &mut self.counts
     }
 
-    /// H at `y`, which is known at the end of the step made last if its energy was checked.
+    /// H at `y`. No evaluation is needed at the end of the last step if its energy was checked.
     pub fn energy_at(&mut self, y: &[T]) -> T {
         if self.options.check_energy && self.constraints.is_empty() && self.start == y {
             return self.start_energy;
@@ -67,20 +67,20 @@ impl<T: Float> Core<T> {
         self.energy.compensated_value(y)
     }
 
-    /// The evaluator with the counts.
+    /// The evaluator and the counts.
     pub fn energy_and_counts(&mut self) -> (&mut Evaluator<T>, &mut Counts) {
         (&mut self.energy, &mut self.counts)
     }
 }
 
-/// The step made last.
+/// Results of the last step.
 impl<T: Float> Core<T> {
-    /// α_1 … α_{s−1} of the step, or of its last part.
+    /// α_1 … α_{s−1} of the step, or of its last part if it was halved.
     pub fn alphas(&self) -> &[T] {
         &self.alphas
     }
 
-    /// Whether all of them are zero.
+    /// Whether all α_k are zero.
     pub fn alphas_are_zero(&self) -> bool {
         self.alphas.iter().all(|&alpha| alpha == T::int(0))
     }
@@ -90,7 +90,7 @@ impl<T: Float> Core<T> {
         self.stages.iterate.increments()
     }
 
-    /// The stages Y_i of a step from `y` one after the other, blocks of length n, into `points`.
+    /// Writes the stages Y_i of a step from `y` to `points`, stage by stage in blocks of length n.
     pub fn stages_by_stage(&mut self, y: &State<T>, points: &mut [T]) {
         let iterate = &mut self.stages.iterate;
         iterate.keep_momenta(y);
@@ -102,8 +102,8 @@ impl<T: Float> Core<T> {
         }
     }
 
-    /// h γ_k = Σ_i P_k(c_i) L_i for k below the degree into `out`, blocks of length n, 0 in further ones:
-    /// u'(τ) = Σ_k γ_k P_k(τ) within the step.
+    /// Writes h γ_k = Σ_i P_k(c_i) L_i for k below the degree to `out`, in blocks of length n; further blocks
+    /// are 0. Within the step u'(τ) = Σ_k γ_k P_k(τ).
     pub fn legendre_coefficients(&self, out: &mut [T]) {
         let (method, iterate) = (&self.stages.method, &self.stages.iterate);
         out.fill(T::int(0));
@@ -117,17 +117,17 @@ impl<T: Float> Core<T> {
         }
     }
 
-    /// The parts of the step in the order of time, one if it was not halved; empty unless
-    /// [wanted](Self::keep_parts).
+    /// The parts of the step in the order of time: one if the step was not halved, none unless
+    /// [requested](Self::keep_parts).
     pub fn parts(&self) -> &[Part<T>] {
         self.parts.all()
     }
 
-    /// How the iterations of the step contracted in the mean, if it was made by iterations, as a power that
-    /// goes like h.
+    /// The mean contraction of the fixed-point iteration of the step, scaled to be proportional to h. `None`
+    /// if the iteration was preconditioned.
     pub fn contraction(&self) -> Option<f64> {
         let rate = self.stages.contraction.mean();
-        // With the positions alone as unknowns an iteration is two.
+        // If the positions alone are unknowns, one iteration has the effect of two.
         let contraction = if self.stages.iterate.is_twofold() {
             rate.sqrt()
         } else {
@@ -136,18 +136,19 @@ impl<T: Float> Core<T> {
         (self.stages.choice.is_identity() && contraction > 0.0).then_some(contraction)
     }
 
-    /// Whether the iteration of the step had a preconditioner: without one it contracts like
-    /// hω over 1.33 s + 0.7 (docs/adr/0005).
+    /// Whether the iteration of the step was preconditioned. Without a preconditioner its contraction is
+    /// about hω/(1.33 s + 0.7) (docs/adr/0005).
     pub fn is_preconditioned(&self) -> bool {
         !self.stages.choice.is_identity()
     }
 
-    /// What is kept by the α_k: the energy first unless it needs none, then further invariants.
+    /// The constraints for which α is solved: the energy first unless H is at most quadratic, then further
+    /// invariants.
     pub fn constraints(&self) -> &[Constraint<T>] {
         &self.constraints
     }
 
-    /// Where the step that failed last began.
+    /// The part that failed last.
     pub fn failed_part(&self) -> FailedPart<'_, T> {
         FailedPart {
             start: &self.failed.0,
@@ -157,7 +158,7 @@ impl<T: Float> Core<T> {
         }
     }
 
-    /// Where the iteration had come to at the end of that part, length n.
+    /// The end point of the failed part according to the last iteration, length n.
     pub fn failed_end(&self) -> Vec<T> {
         let rows = (self.stages.iterate.increments()).chunks_exact(self.stages.iterate.stride());
         let sum = |row: &[T]| row.iter().fold(T::int(0), |sum, &l| sum + l);
@@ -167,10 +168,10 @@ impl<T: Float> Core<T> {
     }
 }
 
-/// The start of a run.
+/// Initialisation of a run.
 impl<T: Float> Core<T> {
-    /// A run begins at `y`, length n, where the energy is `h_ref`: the steps from here on are those of a new
-    /// solver. Counts stay. Allocates nothing.
+    /// Begins a run at `y`, length n, with the energy `h_ref`. The following steps are those of a new solver.
+    /// The counts are preserved. Allocates nothing.
     pub fn begin(&mut self, h_ref: T, y: &[T]) {
         self.forget();
         self.parts.clear();
@@ -185,20 +186,21 @@ impl<T: Float> Core<T> {
     }
 }
 
-/// What the next step is to do.
+/// Requests for the next steps.
 impl<T: Float> Core<T> {
-    /// Keep the parts of every step from the next on.
+    /// Stores the parts of every step from the next on.
     pub fn keep_parts(&mut self) {
         self.parts.wanted = true;
     }
 
-    /// From the next step on the α_k are found by [`complete`](Core::complete) only, so that a step which is
-    /// refused for its stages has none. For steps that are never halved.
+    /// From the next step on the α_k are computed by [`complete`](Core::complete) only. A step that the step
+    /// controller rejects because of its stages then needs none. For steps that are never halved.
     pub fn defer_alphas(&mut self) {
         self.is_deferred = true;
     }
 
-    /// The step made last is refused: the next one starts where it did, and is guessed from it.
+    /// Called if the last step is rejected: the next step has the same start, and its initial guess follows
+    /// from the rejected one.
     pub fn refuse(&mut self) {
         if let Some((start, _)) = &mut self.stages.last {
             *start = T::int(0);
@@ -206,16 +208,16 @@ impl<T: Float> Core<T> {
         self.start.fill(T::NAN);
     }
 
-    /// The next step is guessed from these L, stage by stage, of a step of size `h` from the same state, and
-    /// from nothing else.
+    /// The initial guess of the next step follows only from these L, stage by stage, of a step of size `h`
+    /// from the same state.
     pub fn guess_from(&mut self, l: &[T], h: T) {
         self.forget();
         self.stages.iterate.set_increments(l);
         self.stages.last = Some((T::int(0), h));
     }
 
-    /// Puts other constraints in the place of those there are, which are returned. Without any the α_k stay
-    /// where they are.
+    /// Replaces the constraints, and returns the previous ones. Without constraints the α_k have their
+    /// initial values.
     pub fn replace_constraints(&mut self, constraints: Vec<Constraint<T>>) -> Vec<Constraint<T>> {
         self.start.fill(T::NAN);
         std::mem::replace(&mut self.constraints, constraints)
@@ -223,7 +225,7 @@ impl<T: Float> Core<T> {
 }
 
 impl<T: Float> Constraint<T> {
-    /// I at the start of the run.
+    /// I at the initial state of the run.
     pub fn reference(&self) -> T {
         self.reference
     }
@@ -238,12 +240,12 @@ impl<T: Float> Constraint<T> {
         &self.gradient
     }
 
-    /// Below this g is round-off: the largest recent round-off level.
+    /// g is round-off if |g| is at most this: the largest recent round-off level.
     pub fn round_off(&self) -> T {
         self.round_off.max(self.late)
     }
 
-    /// The round-off level of g at the end of the step itself.
+    /// The round-off level of g at the end of this step.
     pub fn momentary_round_off(&self) -> T {
         self.round_off
     }
@@ -254,9 +256,9 @@ impl<T: Float> Constraint<T> {
     }
 }
 
-/// What is remembered between steps.
+/// The state of the solver between steps.
 impl<T: Float> Core<T> {
-    /// Everything the next step depends on besides state, time, size and counts.
+    /// Everything on which the next step depends, apart from state, time, size and counts.
     pub fn memory(&mut self) -> SolverMemory<T> {
         let mut memory = SolverMemory::from_parts(Vec::new());
         let (start, h) = self.stages.last.unwrap_or((T::int(0), T::int(0)));
@@ -283,10 +285,10 @@ impl<T: Float> Core<T> {
         memory
     }
 
-    /// Takes over what another solver of the same system and options has remembered.
+    /// Restores the memory of another solver of the same system and options.
     ///
     /// # Errors
-    /// When something is missing or does not fit; the solver is then to be thrown away.
+    /// If an entry is missing or does not fit. The solver must then be discarded.
     pub fn restore(&mut self, memory: &SolverMemory<T>) -> Result<(), Damaged> {
         let n = self.stages.iterate.components();
         let mut guess = vec![T::int(0); 2 + self.stages.iterate.stages() * n];

@@ -1,9 +1,9 @@
 //! One step of the energy and quadratic invariants preserving (EQUIP) methods for Hamiltonian systems y' =
 //! J∇H(y).
 //!
-//! A step reads: initial guess → stages → α → accept → update, in `step/step.rs`; its equations are those of
-//! `equations/oracle.rs`. Time, runs and their certificates are `equip-integrate`'s, which needs of a step
-//! what [`Core::new`], [`Core::step`] and `access.rs` give.
+//! A step is: initial guess → stages → α → accept → update, in `step/step.rs`. Its equations are those of
+//! `equations/oracle.rs`. Time, runs and their certificates belong to `equip-integrate`, which uses
+//! [`Core::new`], [`Core::step`] and the methods in `access.rs`.
 //!
 //! Paper: L. Brugnano, F. Iavernaro, D. Trigiante, *Energy and quadratic invariants preserving integrators of
 //! Gaussian type*, AIP Conf. Proc. 1281 (2010), and arXiv:1005.1930.

@@ -1,17 +1,17 @@
-//! [`SolverMemory`]: what a solver has learnt from the steps so far, as named lists of numbers.
+//! [`SolverMemory`]: the state of a solver between steps, as named lists of numbers.
 
 use crate::outcome::failure::Damaged;
 use equip_scalar::Float;
 
-/// Everything the next step depends on besides state, time and size, so that a solver that is given it goes
-/// on bit for bit. What the names stand for is the solver's own affair.
+/// Everything on which the next step depends, apart from state, time and size. A solver that restores it
+/// continues bit for bit. The meaning of the names is internal to the solver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverMemory<T> {
     parts: Vec<(String, Vec<T>)>,
 }
 
 impl<T: Float> SolverMemory<T> {
-    /// One of these parts, as [`parts`](Self::parts) gives them.
+    /// A memory with these parts, as returned by [`parts`](Self::parts).
     pub fn from_parts(parts: Vec<(String, Vec<T>)>) -> Self {
         SolverMemory { parts }
     }
@@ -34,7 +34,7 @@ impl<T: Float> SolverMemory<T> {
             .map(|part| part.1.as_slice())
     }
 
-    /// Reads the part of this name into `out`, which it has to fill.
+    /// Reads the part of this name into `out`. Their lengths must agree.
     pub(crate) fn read(&self, name: &'static str, out: &mut [T]) -> Result<(), Damaged> {
         match self.find(name) {
             Some(part) if part.len() == out.len() => {
@@ -45,7 +45,7 @@ impl<T: Float> SolverMemory<T> {
         }
     }
 
-    /// So many numbers.
+    /// Reads the part of this name as N numbers.
     pub(crate) fn numbers<const N: usize>(&self, name: &'static str) -> Result<[T; N], Damaged> {
         let mut numbers = [T::int(0); N];
         self.read(name, &mut numbers)?;

@@ -1,23 +1,23 @@
-//! [`StepTangent`]: the derivative of a step.
+//! [`StepTangent`]: the tangent map of a step.
 //!
 //! With the stages Y_i and α_k of a step and B_i = h b_i J∇²H(Y_i),
 //!
 //! $$ X_i = \delta y_0 + \sum_j K_{ij}(\alpha) B_j X_j, \qquad \delta y_1 = \delta y_0 + \sum_j B_j X_j , $$
 //!
-//! by [`LinearIteration`], preconditioned as the stages are ([`crate::precondition::choice`]) where these do
-//! not contract (about hω > 1).
+//! solved by [`LinearIteration`]. If its iteration does not contract (about hω > 1), it is preconditioned
+//! like the stages ([`crate::precondition::choice`]).
 //!
-//! That is the derivative at fixed α. Where α = D t conserves the energy, t depends on y0 as well: H(y1) =
-//! H(y0) along neighbouring runs determines δt, and with v = ∂y1/∂t
+//! This is the derivative at fixed α. If α = D t conserves the energy, t depends on y0 as well. The condition
+//! H(y1) = H(y0) along neighbouring solutions determines δt. With v = ∂y1/∂t
 //!
 //! $$ \delta y_1 \leftarrow \delta y_1 - v\, \frac{\nabla H(y_1)\cdot\delta y_1 - \nabla H(y_0)\cdot\delta
 //!    y_0}{\nabla H(y_1)\cdot v}, $$
 //!
-//! v to a factor, which is all that matters, being the response to r = (K(α) − K(0)) L. The change of D is
-//! left out: it is of the size of the change of y1 caused by α.
+//! Only the direction of v matters: it is the response to r = (K(α) − K(0)) L. The change of D is neglected;
+//! its effect is of the order of the change of y1 caused by α.
 //!
-//! Cost: s Hessians per step; per deviation, and for v, some linear iterations. A preconditioner is made once
-//! a step.
+//! Cost: s Hessians per step, and some linear iterations for each tangent vector and for v. A preconditioner
+//! is computed once a step.
 
 use crate::alpha::least_displacement::dot;
 use crate::options::step_options::Preconditioner;
@@ -31,7 +31,7 @@ use equip_iterate::{Held, Iterate, LinearIteration, State};
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
-/// The tangent map of one step after the other.
+/// The tangent map of successive steps.
 #[derive(Debug)]
 pub struct StepTangent<T: Float> {
     energy: Evaluator<T>,
@@ -39,7 +39,7 @@ pub struct StepTangent<T: Float> {
     iterate: Iterate<T>,
     linear: LinearIteration<T>,
     choice: Choice<T>,
-    /// The preconditioner that is chosen is there.
+    /// Whether the chosen preconditioner has been computed.
     is_made: bool,
     /// K(α) and K(0), row by row.
     k: Vec<T>,
@@ -49,19 +49,19 @@ pub struct StepTangent<T: Float> {
     is_finite: bool,
     r: Vec<T>,
     x: Vec<T>,
-    /// Whether α conserves the energy, and nothing else.
+    /// Whether the energy, and nothing else, is conserved by α.
     conserves_energy: bool,
-    /// α is not zero in this part, so that v is needed.
+    /// Whether α ≠ 0 in this part, so that v is needed.
     needs_v: bool,
-    /// v over ∇H(y1)·v, if it is known.
+    /// v/(∇H(y1)·v), or zero if it is not known.
     v: Vec<T>,
-    /// y0 and y1, and ∇H there.
+    /// y0 and y1, and ∇H at both.
     ends: Vec<T>,
     gradients: Vec<T>,
 }
 
 impl<T: Float> StepTangent<T> {
-    /// For the steps of `core`, made of the same `system`.
+    /// For the steps of `core`, which must belong to the same `system`.
     pub fn new(system: &Hamiltonian, core: &Core<T>) -> Self {
         let method = core.method().clone();
         let (s, n) = (method.stages(), 2 * system.degrees_of_freedom());
@@ -93,7 +93,7 @@ impl<T: Float> StepTangent<T> {
         }
     }
 
-    /// n = 2m.
+    /// The number of components n = 2m.
     pub fn components(&self) -> usize {
         self.iterate.components()
     }
@@ -107,7 +107,7 @@ impl<T: Float> StepTangent<T> {
         self.linear
             .set_k(&self.k, (self.method.stages(), self.iterate.stride()));
         self.is_finite = self.linear.linearise(&self.iterate, &mut self.energy);
-        // What is propagated depends on the part alone.
+        // The result must depend on the part alone.
         self.choice.forget();
         self.is_made = false;
         let is_moved = part.alphas.iter().any(|&alpha| alpha != T::int(0));
@@ -146,7 +146,8 @@ impl<T: Float> StepTangent<T> {
         }
         let (s, stride, n) = (self.method.stages(), self.iterate.stride(), self.v.len());
         if std::mem::replace(&mut self.needs_v, false) {
-            // α is small: to what its rounding leaves of r. Without v the derivative is that at fixed α.
+            // Since α is small, √ε is the accuracy that rounding leaves in r. Without v the derivative is
+            // that at fixed α.
             if self.solve(T::EPSILON.sqrt()) {
                 self.v.copy_from_slice(&self.linear.sums()[..n]);
                 let derivative = dot(&self.gradients[n..], &self.v);
@@ -176,7 +177,7 @@ impl<T: Float> StepTangent<T> {
         Ok(())
     }
 
-    /// With the preconditioner that is chosen, to this relative error of Σ δL.
+    /// Solves with the chosen preconditioner, to this relative error of Σ δL.
     fn solve(&mut self, tolerance: T) -> bool {
         let (at, step) = ((&self.method, &self.iterate), (&self.start, self.h));
         self.is_made = self.is_made

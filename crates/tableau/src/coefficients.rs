@@ -1,6 +1,7 @@
-//! [`Coefficients`]: a Runge–Kutta method of the family as data, in the letters of the paper.
+//! [`Coefficients`]: a Runge–Kutta method of the family as data, in the notation of the paper.
 //!
-//! On k nodes with weights b and the orthonormal shifted Legendre polynomials P_0 … P_{s−1}, s the degree,
+//! The method has k nodes with weights b. P_0 … P_{s−1} are the orthonormal shifted Legendre polynomials, s
+//! is the degree.
 //!
 //! $$ A(\alpha) = K(\alpha) B, \qquad K(0)_{ij} = \sum_{l<s} \int_0^{c_i} P_l \; P_l(c_j), \qquad B = \mathrm{diag}(b). $$
 //!
@@ -14,8 +15,8 @@
 //! HBVM and trapezoidal methods (L. Brugnano, F. Iavernaro, D. Trigiante, "Hamiltonian boundary value
 //! methods", JNAIAM 5 (2010); F. Iavernaro, B. Pace, "s-stage trapezoidal methods for the conservation of
 //! Hamiltonian functions of polynomial type", AIP Conf. Proc. 936 (2007)) are symmetric. They conserve a
-//! polynomial H as far as their quadrature of ∇H along the step is exact, of degree ν ≤ 2k/s on Gauss nodes,
-//! and any other H up to its error. They do not conserve quadratic invariants.
+//! polynomial H if their quadrature integrates ∇H along the step exactly; on Gauss nodes it does for degrees
+//! ν ≤ 2k/s. They conserve any other H up to the quadrature error. They do not conserve quadratic invariants.
 //!
 //! | letter | here |
 //! |---|---|
@@ -29,9 +30,9 @@ use crate::legendre::legendre_integrals_at;
 use crate::rule::{Rule, check_stages};
 use equip_scalar::Float;
 
-/// Nodes, weights, degree and the matrix K(α) of a method; only Gauss methods have α_k.
+/// Nodes, weights, degree and the matrix K(α) of a method. Only Gauss methods have parameters α_k.
 ///
-/// Making one costs O(s³) operations; it then holds s³ + O(s²) numbers.
+/// Construction costs O(s³) operations; the result holds s³ + O(s²) numbers.
 ///
 /// ```
 /// use equip_tableau::Coefficients;
@@ -46,7 +47,7 @@ pub struct Coefficients<T> {
     pub(crate) stages: usize,
     degree: usize,
     rule: Rule<T>,
-    /// T_1 … T_{s−1} of the α_k, each s × s, one after the other; empty if there are none.
+    /// The matrices T_1 … T_{s−1}, each s × s, concatenated; empty if there are no α_k.
     pub(crate) basis: Vec<T>,
     pub(crate) unperturbed: Unperturbed<T>,
 }
@@ -54,15 +55,15 @@ pub struct Coefficients<T> {
 /// K(0).
 #[derive(Debug, Clone)]
 pub(crate) enum Unperturbed<T> {
-    /// Its antisymmetric part Σ ξ_k T_k: K_ij + K_ji = 1.
+    /// The antisymmetric part Σ ξ_k T_k of K(0), where K_ij + K_ji = 1.
     Skew(Vec<T>),
-    /// Itself.
+    /// K(0) itself.
     Whole(Vec<T>),
 }
 
 impl<T: Float> Coefficients<T> {
-    /// The Gauss method with 1 ≤ `stages` ≤ [`MAX_STAGES`](crate::MAX_STAGES) stages and its s − 1 α_k, of
-    /// order 2s at α = 0.
+    /// The Gauss method with 1 ≤ `stages` ≤ [`MAX_STAGES`](crate::MAX_STAGES) stages and s − 1 parameters
+    /// α_k. Its order is 2s at α = 0.
     ///
     /// # Errors
     /// [`TableauError::StagesOutOfRange`] for any other number.
@@ -81,7 +82,7 @@ impl<T: Float> Coefficients<T> {
             commutator(this, before, t_k);
         }
         let mut unperturbed = vec![T::int(0); stages * stages];
-        // From the smallest ξ_k to the largest.
+        // Summed from the smallest ξ_k to the largest.
         for (index, t_k) in basis.chunks_exact(stages * stages).enumerate().rev() {
             let xi = xi::<T>(index + 1);
             for (sum, &t) in unperturbed.iter_mut().zip(t_k) {
@@ -97,8 +98,8 @@ impl<T: Float> Coefficients<T> {
         })
     }
 
-    /// HBVM(k, s): degree s on k Gauss nodes, of order 2s. HBVM(k, 1) with k large is the averaged vector
-    /// field method, HBVM(k, s) with k large the energy-preserving collocation method of Hairer (2010).
+    /// HBVM(k, s): degree s on k Gauss nodes, order 2s. For large k, HBVM(k, 1) approaches the averaged
+    /// vector field method, and HBVM(k, s) the energy-preserving collocation method of Hairer (2010).
     ///
     /// # Errors
     /// [`TableauError::StagesOutOfRange`] when k or s is not in 1 … [`MAX_STAGES`](crate::MAX_STAGES),
@@ -124,11 +125,11 @@ impl<T: Float> Coefficients<T> {
         Ok(Self::without_alphas(Rule::new(k, s), s))
     }
 
-    /// The trapezoidal method with k equidistant nodes, from 0 to 1, and the weights of the closed
-    /// Newton–Cotes rule: y1 = y0 + h Σ b_i f(y0 + c_i (y1 − y0)). Of order 2.
+    /// The trapezoidal method y1 = y0 + h Σ b_i f(y0 + c_i (y1 − y0)) with k equidistant nodes from 0 to 1
+    /// and the weights of the closed Newton–Cotes rule. Its order is 2.
     ///
     /// # Errors
-    /// [`TableauError::StagesOutOfRange`] for k < 2, and for k > 8, beyond which weights are negative.
+    /// [`TableauError::StagesOutOfRange`] for k < 2 and for k > 8: for k > 8 some weights are negative.
     ///
     /// ```
     /// let method = equip_tableau::Coefficients::<f64>::trapezoidal(3)?;
@@ -168,7 +169,7 @@ impl<T: Float> Coefficients<T> {
         }
     }
 
-    /// The number of stages, which is that of nodes.
+    /// The number of stages, equal to the number of nodes.
     ///
     /// ```
     /// assert_eq!(equip_tableau::Coefficients::<f64>::gauss(3)?.stages(), 3);
@@ -178,7 +179,7 @@ impl<T: Float> Coefficients<T> {
         self.stages
     }
 
-    /// The degree s of the polynomial that a step is: half of the order at α = 0.
+    /// The degree s of the polynomial that approximates the solution over a step: half the order at α = 0.
     ///
     /// ```
     /// assert_eq!(equip_tableau::Coefficients::<f64>::hbvm(6, 2)?.degree(), 2);
@@ -188,7 +189,8 @@ impl<T: Float> Coefficients<T> {
         self.degree
     }
 
-    /// Whether K_ij + K_ji = 1, as of Gauss methods with any α_k: quadratic invariants are conserved.
+    /// Whether K_ij + K_ji = 1, so that quadratic invariants are conserved. It holds for Gauss methods with
+    /// any α_k.
     ///
     /// ```
     /// assert!(!equip_tableau::Coefficients::<f64>::hbvm(6, 2)?.is_skew());
@@ -198,7 +200,7 @@ impl<T: Float> Coefficients<T> {
         matches!(self.unperturbed, Unperturbed::Skew(_))
     }
 
-    /// The number of α_k: s − 1 of a Gauss method, none of others.
+    /// The number of parameters α_k: s − 1 for a Gauss method, 0 for the others.
     ///
     /// ```
     /// assert_eq!(equip_tableau::Coefficients::<f64>::gauss(4)?.alphas(), 3);
@@ -210,9 +212,9 @@ impl<T: Float> Coefficients<T> {
 
     /// The nodes c_1 < … < c_s in [0, 1].
     ///
-    /// c_i + c_{s+1−i} = 1 exactly, as numbers and not only after rounding: c_{s+1−i} is rounded first and
-    /// the small one is 1 − c_{s+1−i}, which is representable. Both are therefore accurate to an ulp of 1,
-    /// not of c_i; the weights and polynomials are those of the unrounded node.
+    /// c_i + c_{s+1−i} = 1 holds exactly in floating point. The node c_{s+1−i} ≥ ½ is rounded, and the
+    /// smaller one is computed as 1 − c_{s+1−i}, which is representable. Both are therefore accurate to an
+    /// ulp of 1, not of c_i. Weights and polynomial values belong to the unrounded nodes.
     ///
     /// ```
     /// let gauss = equip_tableau::Coefficients::<f64>::gauss(5)?;
@@ -224,8 +226,8 @@ impl<T: Float> Coefficients<T> {
         &self.rule.nodes
     }
 
-    /// The weights, of Gauss nodes b_i = 1 / Σ_{k<s} P_k(c_i)², with b_i = b_{s+1−i} to the last bit and sum
-    /// 1 up to rounding.
+    /// The weights. On Gauss nodes b_i = 1 / Σ_{k<s} P_k(c_i)², b_i = b_{s+1−i} exactly, and Σ b_i = 1 up to
+    /// rounding.
     ///
     /// ```
     /// let gauss = equip_tableau::Coefficients::<f64>::gauss(3)?;
@@ -236,10 +238,10 @@ impl<T: Float> Coefficients<T> {
         &self.rule.weights
     }
 
-    /// p_k = (P_k(c_1), …, P_k(c_s)) for k below the degree; even or odd under i → s + 1 − i to the last bit.
+    /// p_k = (P_k(c_1), …, P_k(c_s)) for k below the degree. It is exactly even or odd under i → s + 1 − i.
     ///
     /// # Panics
-    /// When k is not below the degree.
+    /// If k is not below the degree.
     ///
     /// ```
     /// let gauss = equip_tableau::Coefficients::<f64>::gauss(2)?;
@@ -250,7 +252,7 @@ impl<T: Float> Coefficients<T> {
         &self.rule.legendre[k * self.stages..(k + 1) * self.stages]
     }
 
-    /// ξ_k = 1/(2√(4k² − 1)) for any k ≥ 1, also beyond s; NaN for k = 0.
+    /// ξ_k = 1/(2√(4k² − 1)) for any k ≥ 1, including k ≥ s; NaN for k = 0.
     ///
     /// ```
     /// let gauss = equip_tableau::Coefficients::<f64>::gauss(2)?;
@@ -271,7 +273,7 @@ pub(crate) fn xi<T: Float>(k: usize) -> T {
     T::int(1) / (T::int(2) * T::int(4 * k * k - 1).sqrt())
 }
 
-/// p qᵀ − q pᵀ: the upper triangle computed, the lower one its negative.
+/// p qᵀ − q pᵀ. The upper triangle is computed, the lower one is its negative.
 fn commutator<T: Float>(p: &[T], q: &[T], t: &mut [T]) {
     let s = p.len();
     for i in 0..s {
@@ -282,7 +284,7 @@ fn commutator<T: Float>(p: &[T], q: &[T], t: &mut [T]) {
     mirror(s, t);
 }
 
-/// Makes the lower triangle the negative of the upper one.
+/// Sets the lower triangle to the negative of the upper one.
 pub(crate) fn mirror<T: Float>(s: usize, u: &mut [T]) {
     for i in 0..s {
         for j in i + 1..s {

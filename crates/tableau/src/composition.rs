@@ -1,27 +1,27 @@
 //! [`Composition`]: coefficients γ_i of symmetric compositions of a symmetric method of order 2.
 //!
-//! One step of size h is Φ_{γ_1 h} ∘ … ∘ Φ_{γ_r h} with r odd, γ_i = γ_{r+1−i} and Σ γ_i = 1. With Φ the
-//! Störmer–Verlet method these are the explicit methods that EQUIP is compared with, and what end states
-//! without a closed form are computed by.
+//! One step of size h is Φ_{γ_1 h} ∘ … ∘ Φ_{γ_r h} with r odd, γ_i = γ_{r+1−i} and Σ γ_i = 1. With the
+//! Störmer–Verlet method as Φ these are the explicit methods that EQUIP is compared with. They also compute
+//! the reference end states of problems without a closed-form solution.
 //!
-//! The coefficients solve polynomial systems without a closed form: these are the published decimals, good to
-//! 25 digits (order 8) and to 32 (order 10).
+//! The coefficients solve polynomial systems that have no closed-form solution. The published decimals are
+//! used: 25 digits (order 8) and 32 digits (order 10).
 
 use equip_scalar::Float;
 
 /// A composition: its order, its name, and the first half of its coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Composition {
-    /// Name for people.
+    /// The name for display.
     pub name: &'static str,
-    /// Order of the composed method.
+    /// The order of the composed method.
     pub order: u32,
     /// γ_1 … γ_⌈r/2⌉.
     half: &'static [&'static str],
 }
 
 impl Composition {
-    /// Number r of composed steps: gradients a step, with Störmer–Verlet.
+    /// The number r of composed steps. With Störmer–Verlet this is the number of gradients per step.
     pub fn stages(&self) -> usize {
         2 * self.half.len() - 1
     }
@@ -37,8 +37,8 @@ impl Composition {
     }
 }
 
-/// s17odr8a, [Kahan, Li, Composition constants for raising the orders of unconventional schemes for ordinary
-/// differential equations, Math. Comp. 66 (1997); Hairer, Lubich, Wanner, V.3.2].
+/// s17odr8a (Kahan, Li, "Composition constants for raising the orders of unconventional schemes for ordinary
+/// differential equations", Math. Comp. 66 (1997); Hairer, Lubich, Wanner, V.3.2).
 pub const KAHAN_LI: Composition = Composition {
     name: "Kahan–Li 8",
     order: 8,
@@ -55,8 +55,8 @@ pub const KAHAN_LI: Composition = Composition {
     ],
 };
 
-/// Order 10 with 35 stages, [Sofroniou, Spaletta, Derivation of symmetric composition constants for symmetric
-/// integrators, Optim. Methods Softw. 20 (2005)].
+/// Order 10 with 35 stages (Sofroniou, Spaletta, "Derivation of symmetric composition constants for symmetric
+/// integrators", Optim. Methods Softw. 20 (2005)).
 pub const SOFRONIOU_SPALETTA: Composition = Composition {
     name: "Sofroniou–Spaletta 10",
     order: 10,
@@ -95,8 +95,8 @@ mod tests {
         (sum - expected).to_f64().abs()
     }
 
-    /// Σγ = 1, and Σγ^k = 0 for odd k below the order: necessary for it. Orders are measured where the
-    /// methods run.
+    /// Σ γ_i = 1, and Σ γ_i^k = 0 for odd k below the order: necessary conditions. The orders themselves are
+    /// measured by tests that run the methods.
     #[test]
     fn odd_power_sums_vanish() {
         for (scheme, bound) in [(KAHAN_LI, 3e-25), (SOFRONIOU_SPALETTA, 2e-31)] {

@@ -1,4 +1,4 @@
-//! What a tableau satisfies, as functions that return the largest absolute defect.
+//! Conditions on a tableau, as functions that return the largest absolute residual.
 //!
 //! The simplifying assumptions of Butcher (1964) are stated with the orthonormal Legendre polynomials instead
 //! of powers of c:
@@ -9,18 +9,19 @@
 //! | C(η) | Σ_j a_ij P_k(c_j) = ∫₀^{c_i} P_k, k < η | Σ a_ij c_j^{q−1} = c_i^q/q |
 //! | D(ζ) | Σ_i b_i P_k(c_i) a_ij = b_j ∫_{c_j}^1 P_k, k < ζ | Σ b_i c_i^{q−1} a_ij = b_j(1 − c_j^q)/q |
 //!
-//! Both span the same polynomials, so the conditions are the same; but powers hide a violation of degree q by
-//! a factor of about 4^{−q}, which at q = 25 is below the rounding of an `f64`. Here a violated condition has
-//! a defect of order one.
+//! Powers and Legendre polynomials span the same space, so the conditions are equivalent. With powers,
+//! however, the residual of a condition of degree q that is violated is smaller by a factor of about 4^{−q};
+//! at q = 25 that factor is below the rounding of an `f64`. In Legendre form a violated condition has a
+//! residual of order one.
 //!
-//! A defect is NaN when the tableau contains one. Cost: O(s² n) for n conditions.
+//! A residual is NaN if the tableau contains NaN. Cost: O(s² n) for n conditions.
 
 use crate::coefficients::xi;
 use crate::legendre::{legendre_at, legendre_integrals_at};
 use crate::tableau::{Tableau, dot};
 use equip_scalar::Float;
 
-/// B(p): quadrature of degree p − 1. Gauss has B(2s).
+/// B(p): the quadrature rule is exact for polynomials of degree p − 1. Gauss satisfies B(2s).
 ///
 /// ```
 /// use equip_tableau::{Tableau, conditions::b_residual};
@@ -33,7 +34,7 @@ pub fn b_residual<T: Float>(tableau: &Tableau<T>, p: usize) -> T {
     largest(values.iter().enumerate().map(defect))
 }
 
-/// C(η): the stages are collocated to degree η. Gauss has C(s).
+/// C(η): the stage values satisfy the collocation conditions up to degree η. Gauss satisfies C(s).
 ///
 /// ```
 /// use equip_tableau::{Tableau, conditions::c_residual};
@@ -52,7 +53,7 @@ pub fn c_residual<T: Float>(tableau: &Tableau<T>, eta: usize) -> T {
     }))
 }
 
-/// D(ζ): the transposed condition. Gauss has D(s).
+/// D(ζ): the condition for the transposed matrix. Gauss satisfies D(s).
 ///
 /// ```
 /// use equip_tableau::{Tableau, conditions::d_residual};
@@ -78,11 +79,12 @@ pub fn d_residual<T: Float>(tableau: &Tableau<T>, zeta: usize) -> T {
     )
 }
 
-/// The conditions of the trees of height two, a leaves and one branch with b leaves, a + b + 2 ≤ p, in
-/// Legendre form: Σ b_i P_a(c_i) a_ij P_b(c_j) = ∫₀¹ P_a(c) ∫₀ᶜ P_b, whose right-hand sides are the entries
-/// of X_s(0) in the paper.
+/// The order conditions of trees whose root carries a leaves and one branch with b leaves, a + b + 2 ≤ p, in
+/// Legendre form: Σ b_i P_a(c_i) a_ij P_b(c_j) = ∫₀¹ P_a(c) ∫₀ᶜ P_b. The right-hand sides are the entries of
+/// X_s(0) in the paper.
 ///
-/// Necessary for order p where C(1) holds; they find the entry that an α has moved.
+/// They are necessary for order p if C(1) holds. Their residuals show which entry of X_s(0) an α_k has
+/// changed.
 ///
 /// ```
 /// use equip_tableau::{Coefficients, conditions::bilinear_residual};
@@ -102,7 +104,7 @@ pub fn bilinear_residual<T: Float>(tableau: &Tableau<T>, p: usize) -> T {
     }))
 }
 
-/// b_i a_ij + b_j a_ji = b_i b_j for all i, j: the method is symplectic and keeps quadratic invariants
+/// b_i a_ij + b_j a_ji = b_i b_j for all i, j: the method is symplectic and conserves quadratic invariants
 /// (Sanz-Serna 1988; Lasagni 1988; Suris 1988).
 ///
 /// ```
@@ -118,8 +120,8 @@ pub fn symplecticity_residual<T: Float>(tableau: &Tableau<T>) -> T {
     )
 }
 
-/// a_{s+1−i,s+1−j} + a_ij = b_j and b_{s+1−i} = b_i: a step forward and a step back cancel, the order is even
-/// (Stetter 1973; Wanner 1973). The stages are taken in the order given, c_{s+1−i} = 1 − c_i.
+/// a_{s+1−i,s+1−j} + a_ij = b_j and b_{s+1−i} = b_i: the method is symmetric, so its order is even (Stetter
+/// 1973; Wanner 1973). The stages are in the given order, c_{s+1−i} = 1 − c_i.
 ///
 /// ```
 /// use equip_tableau::{Tableau, conditions::symmetry_residual};
@@ -132,8 +134,8 @@ pub fn symmetry_residual<T: Float>(tableau: &Tableau<T>) -> T {
     largest(of_a.chain(of_b))
 }
 
-/// Entry (a, b), counted from 0, of the tridiagonal ∫₀¹ P_a(c) ∫₀ᶜ P_b: ½ first, ξ below, −ξ above the
-/// diagonal.
+/// Entry (a, b), counted from 0, of the tridiagonal matrix ∫₀¹ P_a(c) ∫₀ᶜ P_b: ½ at (0, 0), ξ below and −ξ
+/// above the diagonal.
 fn x_entry<T: Float>(a: usize, b: usize) -> T {
     if a == 0 && b == 0 {
         T::ratio(1, 2)
@@ -151,7 +153,7 @@ fn delta<T: Float>(k: usize) -> T {
     T::int(i64::from(k == 0))
 }
 
-/// P_0 … P_{n−1}, each at all nodes.
+/// P_0 … P_{n−1}, each at all nodes of the tableau.
 fn polynomials_at_nodes<T: Float>(tableau: &Tableau<T>, n: usize) -> Vec<Vec<T>> {
     at_nodes(tableau, n, legendre_at)
 }
@@ -173,7 +175,7 @@ fn at_nodes<T: Float>(tableau: &Tableau<T>, n: usize, functions: fn(T, &mut [T])
     values
 }
 
-/// The largest absolute value, NaN if there is one, 0 of nothing.
+/// The largest absolute value; NaN if any value is NaN; 0 for an empty iterator.
 pub(crate) fn largest<T: Float>(defects: impl Iterator<Item = T>) -> T {
     defects.fold(T::int(0), |worst, defect| {
         let size = defect.abs();

@@ -1,17 +1,17 @@
-//! [`TableauError`]: why a tableau could not be made.
+//! [`TableauError`]: why a tableau cannot be constructed.
 
-/// A tableau that does not exist.
+/// A requested tableau that does not exist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableauError {
-    /// The number of stages, or of quadrature nodes, is outside what is offered.
+    /// The number of stages or of quadrature nodes is outside the supported range.
     #[error("{stages} stages or nodes are not offered; choose a number from {min} to {max}")]
     StagesOutOfRange {
-        /// The requested number.
+        /// The number requested.
         stages: usize,
-        /// The smallest possible number.
+        /// The smallest supported number.
         min: usize,
-        /// The largest possible number.
+        /// The largest supported number.
         max: usize,
     },
     /// HBVM(k, s) with fewer quadrature nodes k than its degree s.
@@ -21,7 +21,7 @@ pub enum TableauError {
     TooFewNodes {
         /// The number of quadrature nodes k.
         nodes: usize,
-        /// The degree s of the stage polynomial.
+        /// The degree s of the polynomial.
         degree: usize,
     },
     /// A is not s × s for the s entries of b.

@@ -4,8 +4,9 @@
 //!
 //! $$P_k(c) = \sqrt{2k+1}\,L_k(2c-1), \qquad \int_0^1 P_i P_j = \delta_{ij}, \qquad P_0 = 1.$$
 //!
-//! The recurrence runs in the distance t to the nearer end of the interval and in the difference of
-//! successive values, so that neither 2c − 1 near c = 0, 1 nor L_{k+1} − L_{k−1} in the integrals cancels:
+//! The recurrence uses the distance t to the nearer end of the interval and the difference of successive
+//! values. This avoids the cancellation in 2c − 1 near c = 0 and c = 1, and in L_{k+1} − L_{k−1} of the
+//! integrals:
 //!
 //! $$D_{k+1} = \frac{k D_k - (2k+1)\,t\,L_k}{k+1}, \qquad L_{k+1} = L_k + D_{k+1}, \qquad x = 1 - t.$$
 //!
@@ -14,7 +15,7 @@
 
 use equip_scalar::Float;
 
-/// The pairs (L_k(1 − t), L_k(1 − t) − L_{k−1}(1 − t)) for k = 0, 1, 2, …, without end.
+/// The infinite sequence of pairs (L_k(1 − t), L_k(1 − t) − L_{k−1}(1 − t)) for k = 0, 1, 2, ….
 #[derive(Debug, Clone)]
 pub(crate) struct Classical<T> {
     t: T,
@@ -45,25 +46,25 @@ impl<T: Float> Iterator for Classical<T> {
     }
 }
 
-/// From L_k(1 − t) and its difference to L_{k−1} to L_{k+1}.
+/// Replaces L_k(1 − t) and its difference L_k − L_{k−1} by L_{k+1} and L_{k+1} − L_k.
 #[inline(always)]
 pub(crate) fn next<T: Float>(k: i64, t: T, value: &mut T, step: &mut T) {
     *step = (T::int(k) * *step - T::int(2 * k + 1) * t * *value) / T::int(k + 1);
     *value += *step;
 }
 
-/// √(2k + 1), the norm that makes P_k orthonormal.
+/// √(2k + 1), the factor that makes P_k orthonormal.
 pub(crate) fn norm<T: Float>(k: usize) -> T {
     T::int(2 * k as i64 + 1).sqrt()
 }
 
-/// (−1)^k x when `flip`, else x.
+/// (−1)^k x if `flip`, else x.
 pub(crate) fn alternate<T: Float>(flip: bool, k: usize, x: T) -> T {
     if flip && k % 2 == 1 { -x } else { x }
 }
 
-/// Whether c is nearer to 0, where P_k(c) = (−1)^k P_k(1 − c) is used, and 2 × its distance to the nearer
-/// end.
+/// Whether c is nearer to 0, and twice the distance of c to the nearer end. Near 0 the identity P_k(c) =
+/// (−1)^k P_k(1 − c) is used.
 fn nearer_end<T: Float>(c: T) -> (bool, T) {
     let near_zero = c < T::ratio(1, 2);
     (
@@ -88,8 +89,8 @@ pub fn legendre_at<T: Float>(c: T, out: &mut [T]) {
 
 /// ∫₀ᶜ P_k for k = 0 … n − 1, n = `out.len()`.
 ///
-/// Computed as (L_{k+1} − L_{k−1}) / (2√(2k+1)), which is ξ_{k+1} P_{k+1} − ξ_k P_{k−1} for k ≥ 1. They
-/// vanish at both ends for k ≥ 1, with full relative accuracy near them.
+/// Computed as (L_{k+1} − L_{k−1}) / (2√(2k+1)), which equals ξ_{k+1} P_{k+1} − ξ_k P_{k−1} for k ≥ 1. For k
+/// ≥ 1 the integrals vanish at both ends, and they are computed with full relative accuracy near both.
 ///
 /// ```
 /// let mut integrals = [0.0; 2];
@@ -115,7 +116,7 @@ pub fn legendre_integrals_at<T: Float>(c: T, out: &mut [T]) {
 
 /// P_k′(c) for k = 0 … n − 1, n = `out.len()`.
 ///
-/// From L′_{k+1} = L′_{k−1} + (2k + 1) L_k.
+/// Computed by L′_{k+1} = L′_{k−1} + (2k + 1) L_k.
 ///
 /// ```
 /// let mut slopes = [0.0; 3];

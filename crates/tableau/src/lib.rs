@@ -1,21 +1,21 @@
 //! Runge–Kutta tableaux of the Gauss, EQUIP and HBVM families in any [`Float`](equip_scalar::Float) type, and
-//! the conditions they satisfy, as functions.
+//! the conditions that they satisfy, as functions.
 //!
-//! | item | what it is |
+//! | item | meaning |
 //! |---|---|
 //! | [`Coefficients`] | a method as data: nodes, weights, degree, Legendre vectors p_k and the matrix K(α) |
-//! | [`legendre_at`], [`legendre_integrals_at`], [`legendre_derivatives_at`] | the polynomials P_k anywhere |
-//! | [`Tableau`] | A, b, c of any Runge–Kutta method; [`Coefficients::tableau`] makes them |
-//! | [`conditions`] | defects of B(p), C(η), D(ζ), symplecticity, symmetry |
+//! | [`legendre_at`], [`legendre_integrals_at`], [`legendre_derivatives_at`] | the polynomials P_k at any c |
+//! | [`Tableau`] | A, b, c of any Runge–Kutta method; [`Coefficients::tableau`] constructs them |
+//! | [`conditions`] | residuals of B(p), C(η), D(ζ), symplecticity, symmetry |
 //! | [`composition`] | coefficients of symmetric compositions, from the literature |
 //! | [`trees`], [`order()`] | rooted trees, order conditions, the order of a tableau |
 //!
-//! Nothing of the Gauss family is pasted in as decimals: every coefficient is computed in the float type it
-//! is used in.
+//! No coefficient of the Gauss family is a stored decimal: each is computed in the floating-point type in
+//! which it is used.
 //!
 //! The formulas are those of L. Brugnano, F. Iavernaro, D. Trigiante, "Energy and quadratic invariants
 //! preserving integrators of Gaussian type", AIP Conf. Proc. 1281 (2010) ("the paper") and its long version
-//! arXiv:1005.1930. The paper counts polynomials from 1, this crate from 0: P_0 = 1.
+//! arXiv:1005.1930. The paper counts polynomials from 1, this crate counts from 0: P_0 = 1.
 //!
 //! ```
 //! use equip_tableau::{Coefficients, conditions};

@@ -1,20 +1,21 @@
-//! The order of a method, from its tableau alone.
+//! The order of a method, computed from its tableau alone.
 
 use crate::conditions::{b_residual, bilinear_residual, c_residual, d_residual, symmetry_residual};
 use crate::tableau::Tableau;
 use crate::trees::{MAX_TREE_ORDER, Tree, Trees, Walk};
 use equip_scalar::Float;
 
-/// The classical order of a method, a condition counting as satisfied when its defect is at most `tolerance`.
+/// The classical order of a method. A condition counts as satisfied if its residual is at most `tolerance`.
 ///
-/// Three theorems leave little to the trees: B(p), C(η), D(ζ) with p ≤ η + ζ + 1 and p ≤ 2η + 2 give order p
-/// (Butcher 1964); a symmetric method has even order; the bilinear conditions and p ≤ 2s bound it from above.
-/// Where the bounds differ, the order conditions decide. For the Gauss, EQUIP and HBVM families the answer is
-/// exact for every s. For others, when all conditions up to [`MAX_TREE_ORDER`] hold and the bounds still
-/// differ, it is the lower bound.
+/// Three theorems bound the order: B(p), C(η), D(ζ) with p ≤ η + ζ + 1 and p ≤ 2η + 2 imply order p (Butcher
+/// 1964); a symmetric method has even order; the bilinear conditions and p ≤ 2s are upper bounds. If the
+/// lower and upper bounds differ, the order conditions of the trees decide. For the Gauss, EQUIP and HBVM
+/// families the result is exact for every s. For other methods the result is the lower bound if all
+/// conditions up to [`MAX_TREE_ORDER`] hold and the bounds still differ.
 ///
-/// A sensible tolerance is 1000 ε: defects of satisfied conditions are rounding errors, of a perturbed Gauss
-/// method about α_k, but of other violated conditions as small as 1/γ(t).
+/// A sensible tolerance is 1000 ε. The residuals of satisfied conditions are rounding errors. Those of
+/// violated conditions are about α_k for a perturbed Gauss method, but can be as small as 1/γ(t) for other
+/// methods.
 ///
 /// ```
 /// use equip_tableau::{Tableau, order};
@@ -23,7 +24,7 @@ use equip_scalar::Float;
 pub fn order<T: Float>(tableau: &Tableau<T>, tolerance: T) -> usize {
     let holds = |defect: T| defect <= tolerance;
     let (mut lower, mut upper) = (0, 2 * tableau.stages());
-    // Without C(1) the nodes are not those the equation sees, and the assumptions below say nothing.
+    // Without C(1) the c_i are not the row sums of A, and the simplifying assumptions do not apply.
     if holds(c_residual(tableau, 1)) {
         let last = |condition: fn(&Tableau<T>, usize) -> T| {
             (1..=upper)
@@ -49,11 +50,11 @@ pub fn order<T: Float>(tableau: &Tableau<T>, tolerance: T) -> usize {
     ))
 }
 
-/// The largest p ≤ `limit` for which all conditions up to p hold.
+/// The largest p ≤ `limit` such that all conditions up to p hold.
 fn order_by_trees<T: Float>(tableau: &Tableau<T>, tolerance: T, limit: usize) -> usize {
     let trees = Trees::up_to(limit);
     let mut walk = Walk::new(tableau);
-    // The first tree that fails has one vertex more than the order.
+    // The first violated tree has one vertex more than the order.
     let violated = |tree: &&Tree| {
         let defect = walk.defect(tree).abs();
         defect.is_nan() || defect > tolerance

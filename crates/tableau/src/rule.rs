@@ -1,20 +1,21 @@
-//! The Gauss–Legendre rule on [0, 1]: nodes, weights, and the polynomials at the nodes.
+//! The Gauss–Legendre rule on [0, 1]: nodes, weights, and the Legendre polynomials at the nodes.
 //!
-//! Newton's method on L_s in the target float type, from an `f64` start, in the distance t = 2(1 − c) to the
-//! end of the interval:
+//! Newton's method on L_s runs in the target float type from an initial guess in `f64`. Its variable is t =
+//! 2(1 − c), twice the distance to the end of the interval:
 //!
 //! $$t \leftarrow t + \frac{L_s}{L_s'}, \qquad L_s' = \frac{s\,(L_{s-1} - x L_s)}{t\,(2-t)}, \qquad x = 1 - t.$$
 //!
-//! Only one half is computed, the other is its mirror image. Cost: O(s²) operations.
+//! One half of the nodes is computed, the other half is its mirror image. Cost: O(s²) operations.
 
 use crate::error::TableauError;
 use crate::legendre::{Classical, alternate, next, norm};
 use equip_scalar::Float;
 
-/// The largest number of stages a method may have, and of quadrature nodes.
+/// The largest number of stages and of quadrature nodes.
 pub const MAX_STAGES: usize = 32;
 
-/// Newton steps allowed; four from f64 to f64, one or two more for every doubling of the digits.
+/// The maximum number of Newton steps. An `f64` result takes four; every doubling of the digits takes one or
+/// two more.
 const MAX_NEWTON: usize = 20;
 
 /// s nodes and weights, and P_0 … P_{n−1} at the nodes.
@@ -22,7 +23,7 @@ const MAX_NEWTON: usize = 20;
 pub(crate) struct Rule<T> {
     pub(crate) nodes: Vec<T>,
     pub(crate) weights: Vec<T>,
-    /// n rows of s values, row k being p_k.
+    /// n rows of s values; row k is p_k.
     pub(crate) legendre: Vec<T>,
 }
 
@@ -41,8 +42,8 @@ impl<T: Float> Rule<T> {
         rule
     }
 
-    /// k ≥ 2 equidistant nodes from 0 to 1 with the weights of the closed Newton–Cotes rule, b_i the integral
-    /// of the Lagrange polynomial of node i, and P_0 at them.
+    /// k ≥ 2 equidistant nodes from 0 to 1 with the weights of the closed Newton–Cotes rule, and P_0 at the
+    /// nodes. The weight b_i is the integral of the Lagrange polynomial of node i.
     pub(crate) fn newton_cotes(k: usize) -> Self {
         let nodes: Vec<T> = (0..k).map(|i| T::ratio(i as i64, k as i64 - 1)).collect();
         let exact = Rule::<T>::new(k.div_ceil(2), 0);
@@ -66,7 +67,7 @@ impl<T: Float> Rule<T> {
         }
     }
 
-    /// Fills in the nodes c_i and 1 − c_i, the latter at distance t/2 from 1.
+    /// Sets the nodes c_i and 1 − c_i. The latter has distance t/2 from 1.
     fn mirrored_pair(&mut self, i: usize, t: T, n: usize) {
         let (one, two) = (T::int(1), T::int(2));
         let s = self.nodes.len();
@@ -95,8 +96,8 @@ impl<T: Float> Rule<T> {
     }
 }
 
-/// t = 2c of the nodes from the left up to the middle one, with full relative accuracy. Newton's steps of all
-/// nodes are made side by side: each waits for a chain of s divisions.
+/// t = 2c for the nodes in the left half up to the middle one, with full relative accuracy. The Newton steps
+/// of all nodes run in parallel, since each is a chain of s dependent divisions.
 fn distances<T: Float>(s: usize) -> Vec<T> {
     let (one, two, order) = (T::int(1), T::int(2), T::int(s as i64));
     let mut t: Vec<T> = (0..s / 2).map(|i| T::exact(start(s, i))).collect();
@@ -111,7 +112,7 @@ fn distances<T: Float>(s: usize) -> Vec<T> {
             };
             let delta = value * *t * (two - *t) / (order * (before - (one - *t) * value));
             *t += delta;
-            // Steps that do not halve are rounding noise.
+            // A step that is not less than half the previous one is rounding noise.
             *last = (two * delta.abs() < before_this).then_some(delta.abs());
         }
         if last.iter().all(Option::is_none) {
@@ -136,14 +137,14 @@ fn last_two<T: Float>(s: usize, t: &[T], before: &mut [T], value: &mut [T]) {
     }
 }
 
-/// 1 − cos θ with θ = π (4i + 3)/(4s + 2), the leading term of the asymptotic expansion of the zeros (Szegő,
+/// 1 − cos θ with θ = π (4i + 3)/(4s + 2): the leading term of the asymptotic expansion of the zeros (Szegő,
 /// 6.21.5).
 fn start(s: usize, i: usize) -> f64 {
     let theta = std::f64::consts::PI * (4 * i + 3) as f64 / (4 * s + 2) as f64;
     2.0 * (0.5 * theta).sin().powi(2)
 }
 
-/// `Ok` when a rule with so many nodes is offered.
+/// Returns an error if `stages` is outside the supported range.
 pub(crate) fn check_stages(stages: usize) -> Result<(), TableauError> {
     if (1..=MAX_STAGES).contains(&stages) {
         Ok(())

@@ -3,31 +3,31 @@
 //! $$K(\alpha) = \tfrac12\,\mathbf 1\mathbf 1^T + U(\alpha), \qquad U(\alpha) = \sum_{k=1}^{s-1} (\xi_k + \alpha_k)\,T_k,
 //! \qquad T_k = p_k p_{k-1}^T - p_{k-1} p_k^T.$$
 //!
-//! This is the paper's A = 𝒫 X_s 𝒫⁻¹, eqs. (3)–(6), with 𝒫⁻¹ = 𝒫ᵀB never formed, and with an α for every k
-//! instead of the last one only (docs/adr/0003). b_i a_ij + b_j a_ji = b_i b_j is then K_ij + K_ji = 1. Which
-//! identity is exact in which form:
+//! This is the paper's A = 𝒫 X_s 𝒫⁻¹, eqs. (3)–(6). The inverse 𝒫⁻¹ = 𝒫ᵀB is never formed, and there is an
+//! α_k for every k instead of the last one only (docs/adr/0003). The condition b_i a_ij + b_j a_ji = b_i b_j
+//! becomes K_ij + K_ji = 1. These identities hold exactly in floating point:
 //!
-//! | form | exact, not only to rounding | range |
+//! | form | exact identity | range |
 //! |---|---|---|
 //! | U of [`Coefficients::antisymmetric_into`] | U_ji = −U_ij, U_ii = 0 | every finite α |
 //! | K of [`Coefficients::matrix_into`] | K_ij + K_ji = 1, K_ii = ½ | \|U_ij\| ≤ 2⁵² |
 //! | both | U and K unchanged under (i, j) → (s+1−j, s+1−i): the method is symmetric | as above |
 //!
-//! Adding ½ to U rounds: K has the absolute accuracy of an ulp of max(1, |U_ij|), U the relative one of its
-//! sum. An integrator that wants U as it is computes K L = ½ Σ_j L_j + U L. Beyond 2⁵² no two numbers of that
-//! size add up to 1.
+//! Adding ½ to U rounds: K has the absolute accuracy of an ulp of max(1, |U_ij|), U has the relative accuracy
+//! of its sum. An integrator that needs the accuracy of U computes K L = ½ Σ_j L_j + U L. Beyond 2⁵² no two
+//! numbers of that size add up to 1.
 //!
-//! Cost: s²/2 multiplications for each α_k ≠ 0, no allocation in the `_into` forms; α = 0 costs a copy.
+//! Cost: s²/2 multiplications for each α_k ≠ 0. The `_into` forms do not allocate; α = 0 costs a copy.
 
 use crate::coefficients::{Coefficients, Unperturbed, mirror};
 use crate::rule::MAX_STAGES;
 use equip_scalar::{Float, Pack};
 
 impl<T: Float> Coefficients<T> {
-    /// T_k of α_k, s × s in row-major order, for k = 1 … s − 1; antisymmetric to the last bit.
+    /// T_k, s × s in row-major order, for k = 1 … s − 1. It is exactly antisymmetric.
     ///
     /// # Panics
-    /// When there is no α_k.
+    /// If the method has no α_k.
     ///
     /// ```
     /// let gauss = equip_tableau::Coefficients::<f64>::gauss(2)?;
@@ -47,7 +47,7 @@ impl<T: Float> Coefficients<T> {
     /// K(α), s × s in row-major order; entry k − 1 of `alphas` is α_k.
     ///
     /// # Panics
-    /// When `alphas` does not have an entry for each α.
+    /// If `alphas` does not have an entry for each α_k.
     ///
     /// ```
     /// let gauss = equip_tableau::Coefficients::<f64>::gauss(3)?;
@@ -61,13 +61,13 @@ impl<T: Float> Coefficients<T> {
         k
     }
 
-    /// [`matrix`](Self::matrix) into `k`, without allocation.
+    /// Writes [`matrix`](Self::matrix) into `k`, without allocation.
     ///
-    /// Of each pair of a skew one the larger, ½ + |U_ij| ≥ ½, is rounded; the smaller is 1 minus that, which
-    /// is exact.
+    /// If K is skew, the larger entry ½ + |U_ij| ≥ ½ of each pair is rounded. The smaller entry is 1 minus
+    /// the larger one, which is exact.
     ///
     /// # Panics
-    /// When `alphas` does not have an entry for each α, or `k` not s².
+    /// If `alphas` does not have an entry for each α_k, or `k` does not have s² entries.
     ///
     /// ```
     /// let gauss = equip_tableau::Coefficients::<f64>::gauss(2)?;
@@ -100,10 +100,11 @@ impl<T: Float> Coefficients<T> {
         }
     }
 
-    /// The antisymmetric part U(α) = K(α) − ½, s × s in row-major order, into `u`: U_ji = −U_ij exactly.
+    /// Writes the antisymmetric part U(α) = K(α) − ½, s × s in row-major order, into `u`: U_ji = −U_ij
+    /// exactly.
     ///
     /// # Panics
-    /// When K is not skew, `alphas` does not have s − 1 entries, or `u` not s².
+    /// If K is not skew, `alphas` does not have s − 1 entries, or `u` does not have s² entries.
     ///
     /// ```
     /// let gauss = equip_tableau::Coefficients::<f64>::gauss(2)?;
@@ -136,7 +137,7 @@ impl<T: Float> Coefficients<T> {
             (matrices[count], factors[count]) = (t_k, alpha);
             count += 1;
         }
-        // Each entry is one dot product, which in doubles is the same sum.
+        // In other types than `f64` each entry is one dot product.
         for i in 0..s {
             for j in i + 1..s {
                 let term = |k: usize| T::Pack::<1>::of(&[matrices[k][i * s + j]]);

@@ -56,7 +56,7 @@ impl<T: Float> Tableau<T> {
     /// Row i of A, counted from 0.
     ///
     /// # Panics
-    /// When i ≥ s.
+    /// If i ≥ s.
     ///
     /// ```
     /// assert_eq!(equip_tableau::Tableau::<f64>::trapezoidal().row(1), [0.5, 0.5]);
@@ -130,14 +130,14 @@ impl<T: Float> Tableau<T> {
 }
 
 impl<T: Float> Coefficients<T> {
-    /// The method A(α) = K(α) B with its b and c; entry k − 1 of `alphas` is α_k. All zero is the Gauss
-    /// method.
+    /// The method A(α) = K(α) B with its b and c. Entry k − 1 of `alphas` is α_k. If all are zero, it is the
+    /// unperturbed method.
     ///
-    /// At a fixed α it is symplectic and symmetric. Its order is 2s for α = 0, else 2k for the first α_k ≠ 0.
-    /// c are the Gauss nodes; they are the row sums of A only if α_1 = 0.
+    /// For a Gauss method A(α) is symplectic and symmetric at any fixed α. Its order is 2s for α = 0, else 2k
+    /// for the first α_k ≠ 0. The c_i are the Gauss nodes; they are the row sums of A only if α_1 = 0.
     ///
     /// # Panics
-    /// When `alphas` does not have an entry for each α.
+    /// If `alphas` does not have an entry for each α_k.
     ///
     /// ```
     /// use equip_tableau::{Coefficients, order};

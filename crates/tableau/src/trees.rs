@@ -1,22 +1,21 @@
-//! Rooted trees and the order conditions they stand for (Butcher 1963; Hairer, Nørsett, Wanner, "Solving ODEs
-//! I", II.2).
+//! Rooted trees and their order conditions (Butcher 1963; Hairer, Nørsett, Wanner, "Solving ODEs I", II.2).
 //!
-//! A method has order p when Σ_i b_i φ_i(t) = 1/γ(t) for every rooted tree t of at most p vertices, where for
-//! t = [t_1, …, t_m]
+//! A method has order p if Σ_i b_i φ_i(t) = 1/γ(t) for every rooted tree t of at most p vertices. For t =
+//! [t_1, …, t_m]
 //!
 //! $$\varphi_i(t) = \prod_{n=1}^m \sum_j a_{ij}\,\varphi_j(t_n), \qquad \gamma(t) = |t|\,\gamma(t_1)\cdots\gamma(t_m).$$
 //!
-//! These are the conditions for autonomous equations: c does not enter, its place is taken by the row sums of
-//! A.
+//! These are the conditions for autonomous equations: they contain the row sums of A instead of c.
 
 use crate::conditions::largest;
 use crate::tableau::{Tableau, dot};
 use equip_scalar::Float;
 
-/// The largest number of vertices for which `order()` visits all trees: 7813 up to here.
+/// The largest number of vertices for which `order()` visits all trees. There are 7813 trees of at most 12
+/// vertices.
 pub const MAX_TREE_ORDER: usize = 12;
 
-/// A rooted tree, its branches being earlier trees of the same [`Trees`].
+/// A rooted tree. Its branches are earlier trees of the same [`Trees`].
 ///
 /// ```
 /// let trees = equip_tableau::trees::Trees::up_to(3);
@@ -41,13 +40,13 @@ impl Tree {
         self.density
     }
 
-    /// What remains when the root is cut off: indices into [`Trees::all`], not increasing.
+    /// The subtrees left when the root is removed: non-increasing indices into [`Trees::all`].
     pub fn branches(&self) -> &[usize] {
         &self.branches
     }
 }
 
-/// All rooted trees up to some order, by increasing order.
+/// All rooted trees up to a given order, by increasing order.
 ///
 /// ```
 /// use equip_tableau::trees::Trees;
@@ -61,8 +60,8 @@ pub struct Trees {
 }
 
 impl Trees {
-    /// All trees with at most `order` vertices. Their number grows like 2.96ⁿ: 85 up to 7, 1842 with
-    /// exactly 11.
+    /// All trees with at most `order` vertices. The number with n vertices grows like 2.96ⁿ: there are 85
+    /// with at most 7, and 1842 with exactly 11.
     ///
     /// ```
     /// assert_eq!(equip_tableau::trees::Trees::up_to(7).all().len(), 85);
@@ -81,8 +80,8 @@ impl Trees {
         &self.trees
     }
 
-    /// Adds every tree of `order` vertices that has these branches and `remaining` vertices in more, with
-    /// indices < `below`.
+    /// Adds every tree of `order` vertices that has these branches and further branches with `remaining`
+    /// vertices in total and indices < `below`.
     fn grow(&mut self, order: usize, remaining: usize, below: usize, branches: &mut Vec<usize>) {
         if remaining == 0 {
             let product: i64 = branches
@@ -109,11 +108,11 @@ impl Trees {
     }
 }
 
-/// The conditions of a tableau tree by tree, in the order of [`Trees::all`].
+/// Evaluates the order conditions of a tableau tree by tree, in the order of [`Trees::all`].
 #[derive(Debug)]
 pub(crate) struct Walk<'t, T> {
     tableau: &'t Tableau<T>,
-    /// A φ(t) of the trees walked so far.
+    /// A φ(t) of the trees evaluated so far.
     images: Vec<Vec<T>>,
 }
 
@@ -125,7 +124,7 @@ impl<'t, T: Float> Walk<'t, T> {
         }
     }
 
-    /// Σ b_i φ_i(t) − 1/γ(t) of the next tree.
+    /// The residual Σ b_i φ_i(t) − 1/γ(t) of the next tree.
     pub(crate) fn defect(&mut self, tree: &Tree) -> T {
         let mut phi = vec![T::int(1); self.tableau.stages()];
         for &branch in &tree.branches {
@@ -140,7 +139,8 @@ impl<'t, T: Float> Walk<'t, T> {
 
 /// The largest |Σ b_i φ_i(t) − 1/γ(t)| over all trees with at most `p` vertices.
 ///
-/// Cost: s² for each tree; see [`Trees::up_to`] for their number. Intended for p ≤ [`MAX_TREE_ORDER`].
+/// Cost: s² operations per tree; see [`Trees::up_to`] for the number of trees. Intended for p ≤
+/// [`MAX_TREE_ORDER`].
 ///
 /// ```
 /// use equip_tableau::{Tableau, trees::order_conditions};

@@ -1,22 +1,23 @@
-//! The running error bound of H, appended to its recording beside ∂H/∂y.
+//! The running error bound of H, appended to its trace together with ∂H/∂y.
 //!
-//! Every operation v_k of H is rounded, which moves v_k by ε|v_k| and H by the derivative of H by v_k times
-//! that. Likewise rounding the state moves H by ε|y_i ∂_iH|. The sum of all these, without its factor ε, is
+//! The rounding of an operation v_k of H changes v_k by ε|v_k|, and H by that times the derivative of H by
+//! v_k. Likewise rounding the state changes H by ε|y_i ∂_iH|. The sum of all these changes, without its
+//! factor ε, is
 //!
 //! B(y) = Σ_k r_k |v_k ∂H/∂v_k| + Σ_i |y_i ∂H/∂y_i|.
 //!
-//! The derivatives by the v_k are those of the reverse sweep, which makes them anyway. The operations are
-//! gathered by their derivative w, Σ|w|·(Σ r_k|v_k|): terms of a sum share theirs. r_k is 1, or what
-//! [`Op::roundings`] says. Operations that are exact, and partial sums of sums that are compensated, are not
-//! rounded, and have r_k = 0. Cost: an operation or two for each one of H, beside those of ∇H.
+//! The reverse mode computes the derivatives by the v_k in any case. Operations with the same derivative w
+//! are grouped, Σ|w|·(Σ r_k|v_k|): the terms of a sum have the same w. r_k = 1 unless [`Op::roundings`]
+//! returns more. Exact operations, and partial sums of compensated sums, are not rounded and have r_k = 0.
+//! Cost: one or two operations for each operation of H, in addition to those of ∇H.
 
 use super::reverse::{Adjoint, Reverse};
 use crate::recording::op::Op;
 use crate::recording::recorder::Recorder;
 use std::collections::HashMap;
 
-/// Appends the derivatives of the node `root` by all inputs, and B; their nodes. `is_exact` says which
-/// operations are not rounded.
+/// Appends the derivatives of the node `root` by all inputs, and B. Returns their nodes. `is_exact` marks the
+/// operations that are not rounded.
 pub(crate) fn differentiate_with_bound(
     recorder: &mut Recorder,
     root: u32,

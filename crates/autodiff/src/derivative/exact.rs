@@ -1,13 +1,13 @@
-//! Operations that are not rounded: changes of sign, products with powers of two, choices.
+//! Exact operations, which are not rounded: changes of sign, products with powers of two, selections.
 //!
-//! Far from overflow and underflow. They add nothing to the running error bound, so that H and the same H
-//! written with another sign, with another unit of a power of two or in other pieces have the same bound, in
-//! every bit.
+//! They are exact unless overflow or underflow is near. They do not contribute to the running error bound.
+//! Therefore the bound agrees bit for bit if H is written with another sign, in units that differ by a power
+//! of two, or in other pieces.
 
 use crate::recording::op::{Node, Op, Operations};
 use equip_scalar::{Constant, DoubleDouble};
 
-/// What is known of a result before there is a state.
+/// The value of a node, as far as it is known for all states.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Known {
     Nothing,
@@ -17,7 +17,7 @@ enum Known {
     Sign,
 }
 
-/// Which operations are not rounded, whatever the state.
+/// Marks the operations that are exact at every state.
 pub(crate) fn exact_operations(recorder: &Operations) -> Vec<bool> {
     let mut known: Vec<Known> = Vec::with_capacity(recorder.nodes.len());
     let mut is_exact = Vec::with_capacity(recorder.nodes.len());
@@ -75,7 +75,7 @@ fn is_exact_operation(recorder: &Operations, known: &[Known], Node { op, a, b }:
     }
 }
 
-/// Whether one of the two is 0 at every state: x where a test is met, y where it is not.
+/// Whether one of the two is 0 at every state: x is taken if a test is true, y otherwise.
 fn is_choice(recorder: &Operations, known: &[Known], x: u32, y: u32) -> bool {
     let [x, y] = [x, y].map(|x| recorder.nodes[x as usize]);
     let is_rest = |rest: u32, test: u32| {

@@ -1,4 +1,4 @@
-//! Derivatives of functions as operations, in the form that keeps their digits.
+//! The derivatives of functions as operations, in forms that preserve accuracy.
 
 use super::reverse::Reverse;
 use crate::recording::op::Op;
@@ -28,7 +28,7 @@ impl Reverse<'_> {
         self.apply(Op::Sqrt, rest, rest)
     }
 
-    /// 1/cosh² from e^{−|x|}: 1 − tanh² has no correct digit left from x = 19 on, and cosh overflows.
+    /// 1/cosh² from e^{−|x|}. From x = 19 on 1 − tanh² has no correct digit, and cosh overflows.
     pub(super) fn square_of_sech(&mut self, x: u32) -> u32 {
         let size = self.apply(Op::Abs, x, x);
         let down = self.apply(Op::Neg, size, size);
@@ -43,13 +43,13 @@ impl Reverse<'_> {
         self.apply(Op::Div, once, r)
     }
 
-    /// 1/y, written as users write it, so that theirs is found.
+    /// 1/y in the form in which users write it, so that theirs is reused.
     pub(super) fn reciprocal(&mut self, y: u32) -> u32 {
         let one = self.number(1.0);
         self.apply(Op::Div, one, y)
     }
 
-    /// √((x − 1)(x + 1)), as two roots: the product may overflow.
+    /// √((x − 1)(x + 1)), as two roots, since the product may overflow.
     pub(super) fn root_of_excess(&mut self, x: u32) -> u32 {
         let one = self.number(1.0);
         let (less, more) = (self.apply(Op::Sub, x, one), self.one_plus(x));
@@ -79,7 +79,7 @@ impl Reverse<'_> {
         self.times_constant(DoubleDouble::LN_2, f)
     }
 
-    /// c(c − 1)·xᶜ⁻², c being this entry of the table of constants; `None` where that is 0.
+    /// c(c − 1)·xᶜ⁻², where c is this entry of the table of constants; `None` if the factor is 0.
     pub(super) fn second_powf_derivative(&mut self, x: u32, c: u32) -> Option<u32> {
         let [one, two] = [1.0, 2.0].map(DoubleDouble::from);
         let c: DoubleDouble = self.recorder.constants[c as usize].to();

@@ -1,16 +1,17 @@
-//! ∇²H, appended to a recording of ∇H: the reverse sweep over each component of it.
+//! ∇²H, appended to a trace of ∇H, by applying the reverse mode to each component.
 //!
-//! Row i is differentiated by the inputs up to i, and the other triangle is taken from it, so the matrix is
-//! symmetric to the last bit. What rows have in common is done once. A sweep meets what its component depends
-//! on, at most all of ∇H: the entries take no more operations than ∇H replayed on tangents takes for a
-//! direction of each of them. Of chains it has 1.2 times the operations of ∇H, of bodies 3 times.
+//! Row i is differentiated by the inputs up to i, and the other triangle is copied, so the matrix is exactly
+//! symmetric. Common subexpressions of the rows are computed once. The reverse mode visits the operations on
+//! which a component depends, at most all of ∇H. The entries therefore take no more operations than ∇H
+//! replayed on dual numbers, once for each column. The number of operations is 1.2 times that of ∇H for
+//! chains, and 3 times for bodies.
 
 use super::reverse::Reverse;
 use crate::Pattern;
 use crate::recording::recorder::Recorder;
 
-/// Appends the entries of the pattern of ∇²H; their nodes. `slopes` are those of ∇H. `None` if there are
-/// more than `most` new operations.
+/// Appends the entries of the pattern of ∇²H. Returns their nodes. `derivatives` are the nodes of ∇H. `None`
+/// if there are more than `most` new operations.
 pub(crate) fn hessian(
     recorder: &mut Recorder,
     derivatives: &[u32],
@@ -24,7 +25,7 @@ pub(crate) fn hessian(
     for (row, &derivative) in derivatives.iter().enumerate() {
         for (column, node) in reverse.sweep_up_to(row as u32, derivative, |_, _| {}) {
             for (i, j) in [(row, column as usize), (column as usize, row)] {
-                // What is not in the pattern is zero.
+                // Entries outside the pattern are zero.
                 if let Some(place) = pattern.place(i, j) {
                     entries[place] = node;
                 }

@@ -1,4 +1,4 @@
-//! Derivatives: appended to a recording, or propagated along a replay.
+//! Derivatives: appended to a trace, or propagated by a replay.
 
 pub(crate) mod bound;
 pub(crate) mod exact;

@@ -1,14 +1,15 @@
-//! ∂H/∂y, appended to the recording of H: the reverse sweep, once and for all, on operations instead of
+//! ∂H/∂y, appended to the trace of H: reverse-mode differentiation, applied once to operations instead of
 //! numbers.
 //!
-//! With w the derivative of H by a result f(x, y), every operand receives w ∂f/∂x (Griewank, Walther 2008,
-//! section 3.2). What comes out is a recording like any other: derivatives are replayed as H is, in any
-//! number, with equal operations done once, constant factors multiplied beforehand, and what only H needs
-//! left out. A recording of ∂H/∂q alone contains nothing of T(p). Powers of two wait (`twos`). Cost: one to
-//! three times the operations of H, whatever the number of inputs.
+//! With w the derivative of H by a result f(x, y), the operand x receives w ∂f/∂x, and y likewise (Griewank,
+//! Walther 2008, section 3.2). The result is a trace like any other. Derivatives are replayed in any float
+//! type, equal operations are computed once, constant factors are multiplied in advance, and operations that
+//! only H needs are dropped. A trace of ∂H/∂q alone contains nothing of T(p). Factors that are powers of two
+//! are collected (`twos`). Cost: one to three times the operations of H, for any number of inputs.
 //!
-//! At kinks: |x| has derivative 0 at 0, hypot has (0, 0) at the origin, min and max give all to their first
-//! argument at a tie. √x has the derivative ∞ at 0. The derivative of xʸ by y is 0 where xʸ is 0.
+//! At discontinuities of a derivative: |x| has derivative 0 at 0, hypot has (0, 0) at the origin, min and max
+//! differentiate their first argument at a tie. √x has the derivative ∞ at 0. The derivative of xʸ by y is 0
+//! if xʸ is 0.
 
 use crate::recording::op::{Node, Op};
 use crate::recording::recorder::Recorder;
@@ -16,12 +17,12 @@ use equip_scalar::{Constant, Written};
 use std::collections::{BinaryHeap, HashMap};
 use std::sync::Arc;
 
-/// Appends the derivatives of the node `root` by all inputs; their nodes.
+/// Appends the derivatives of the node `root` by all inputs. Returns their nodes.
 pub(crate) fn differentiate(recorder: &mut Recorder, root: u32) -> Vec<u32> {
     Reverse::new(recorder).sweep(root, |_, _| {})
 }
 
-/// The first input that each node depends on, `u32::MAX` for constants.
+/// The first input on which each node depends, `u32::MAX` for constants.
 fn first_inputs(recorder: &Recorder) -> Vec<u32> {
     let mut first: Vec<u32> = Vec::with_capacity(recorder.nodes.len());
     for Node { op, a, b } in &recorder.nodes {
@@ -35,7 +36,7 @@ fn first_inputs(recorder: &Recorder) -> Vec<u32> {
     first
 }
 
-/// The derivative of H by a node: ± 2^twos times what stands at another.
+/// The derivative of H by a node: ± 2^twos times the value of another node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Adjoint {
     pub(super) node: u32,
@@ -46,18 +47,18 @@ pub(super) struct Adjoint {
 pub(super) struct Reverse<'a> {
     pub(super) recorder: &'a mut Recorder,
     first_input: Vec<u32>,
-    /// By inputs after this one nothing is differentiated.
+    /// The last input by which the current pass differentiates.
     last_input: u32,
-    /// Sums of what each node has received so far, one for each power of two.
+    /// For each node the sums of the derivatives received so far, one for each power of two.
     received: Vec<Vec<Adjoint>>,
-    /// Nodes that have received something.
+    /// The nodes that have received a derivative.
     pending: BinaryHeap<u32>,
-    /// How often a node was given to others as a derivative by them.
+    /// For each node, how often it was passed to others as a derivative by them.
     pub(super) shares: HashMap<u32, u32>,
 }
 
 impl<'a> Reverse<'a> {
-    /// For derivatives of the nodes that are there.
+    /// For derivatives of the nodes recorded so far.
     pub(super) fn new(recorder: &'a mut Recorder) -> Self {
         let first_input = first_inputs(recorder);
         Reverse {
@@ -70,8 +71,8 @@ impl<'a> Reverse<'a> {
         }
     }
 
-    /// The derivatives of a node by all inputs. Calls `visit` with every operation that reaches it and the
-    /// derivative by that.
+    /// The derivatives of a node by all inputs. Calls `visit` with every operation on which the node depends,
+    /// and the derivative by this operation.
     pub(super) fn sweep(&mut self, root: u32, visit: impl FnMut(u32, Adjoint)) -> Vec<u32> {
         let mut derivatives = vec![None; self.recorder.inputs];
         for (input, derivative) in self.sweep_up_to(u32::MAX, root, visit) {
@@ -81,7 +82,7 @@ impl<'a> Reverse<'a> {
         derivatives.into_iter().map(&mut or_zero).collect()
     }
 
-    /// The derivatives by the inputs up to this one that there are, ascending.
+    /// The non-zero derivatives by the inputs up to `last_input`, in ascending order.
     pub(super) fn sweep_up_to(
         &mut self,
         last_input: u32,
@@ -114,7 +115,7 @@ impl<'a> Reverse<'a> {
 }
 
 impl Reverse<'_> {
-    /// Gives the operands of a node their parts.
+    /// Passes the derivative w of the node f on to its operands.
     #[rustfmt::skip]
     fn pass_on(&mut self, f: u32, w: Adjoint) {
         let Node { op, a: x, b: y } = self.recorder.nodes[f as usize];
@@ -134,7 +135,7 @@ impl Reverse<'_> {
             Op::Square => { let twice = self.times_two(w, 1); self.give_times(x, twice, x); }
             Op::Recip => { let derivative = self.apply(Op::Square, f, f); self.give_times(x, opposite(w), derivative); }
             Op::Sqrt => {
-                // The reciprocal is the one of a following 1/√x.
+                // The reciprocal is shared with a following 1/√x.
                 let (half, derivative) = (self.times_two(w, -1), self.reciprocal(f));
                 self.give_times(x, half, derivative);
             }
@@ -213,8 +214,8 @@ impl Reverse<'_> {
                 }
             }
             Op::Atan2 => {
-                // f is the angle of the point (y, x). Divided by the radius twice, where its square could
-                // overflow.
+                // f is the angle of the point (y, x). It is divided by the radius twice, since the square of
+                // the radius may overflow.
                 let r = self.apply(Op::Hypot, y, x);
                 let by_x = self.twice_over(y, r);
                 self.give_times(x, w, by_x);
@@ -244,14 +245,14 @@ impl Reverse<'_> {
             self.give(x, by_x);
             self.times(by_x, x)
         } else {
-            // Constants first: they are multiplied beforehand.
+            // Constants first, since they are multiplied in advance.
             let wx = self.times(w, x);
             self.times(wx, r)
         };
         self.give_times(y, opposite(by_y), r);
     }
 
-    /// All to x where `smaller[0]` ≤ `smaller[1]`, all to y elsewhere.
+    /// Passes w to x if `smaller[0]` ≤ `smaller[1]`, and to y otherwise.
     fn either(&mut self, x: u32, y: u32, w: Adjoint, smaller: [u32; 2]) {
         let first = self.apply(Op::AtMost, smaller[0], smaller[1]);
         self.give_times(x, w, first);
@@ -276,7 +277,7 @@ impl Reverse<'_> {
         self.give(operand, opposite(w));
     }
 
-    /// Adds to what the operand has received.
+    /// Adds a derivative to those that the operand has received.
     fn give(&mut self, operand: u32, new: Adjoint) {
         if !self.depends(operand) {
             return;
@@ -295,7 +296,7 @@ impl Reverse<'_> {
         }
     }
 
-    /// The sum of two with the same power of two; signs are settled here.
+    /// The sum of two derivatives with the same power of two. Signs are resolved here.
     fn joined(&mut self, x: Adjoint, y: Adjoint) -> Adjoint {
         let node = match (x.minus, y.minus) {
             (false, true) => self.apply(Op::Sub, x.node, y.node),
@@ -306,7 +307,7 @@ impl Reverse<'_> {
         Adjoint { node, minus, ..x }
     }
 
-    /// All that a node has received.
+    /// The sum of all derivatives that a node has received.
     fn total(&mut self, node: usize) -> Option<Adjoint> {
         let mut received = std::mem::take(&mut self.received[node]).into_iter();
         let mut total = received.next()?;
@@ -327,7 +328,7 @@ impl Reverse<'_> {
         })
     }
 
-    /// Whether a node depends on the inputs by which is differentiated.
+    /// Whether a node depends on an input by which the current pass differentiates.
     fn depends(&self, node: u32) -> bool {
         self.first_input[node as usize] <= self.last_input
     }
@@ -345,8 +346,8 @@ impl Reverse<'_> {
         self.fold(Op::Add, x, y)
     }
 
-    /// The operation, or its result where both are doubles and no bit of it is lost: ½ + ½ is 1, and 1·x is
-    /// x.
+    /// The operation, or its result if both operands are doubles and the result is exact: ½ + ½ is 1, and 1·x
+    /// is x.
     fn fold(&mut self, op: Op, x: u32, y: u32) -> u32 {
         match (self.double(x), self.double(y)) {
             (Some(a), Some(b)) => match op.exact(a, b) {

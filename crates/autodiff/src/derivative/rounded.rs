@@ -1,18 +1,18 @@
-//! [`Rounded`]: a number with what rounding makes of it.
+//! [`Rounded`]: a number with its running error bound.
 //!
 //! The trace of ∇H replayed on these numbers gives the running error bound of each component (Higham,
-//! Accuracy and Stability of Numerical Algorithms, 2002, section 3.3). It is in the units of the value, to
-//! first order. It counts ε for each operation, be it a power or a table, but for those that are exact:
-//! changes of sign, products with powers of two, 2x as x + x, x + 0, choices, arithmetic on small integers.
-//! Constants are rounded alike at every state, and do not count. The value is computed by the functions of
-//! the float below, so it has every bit of the plain replay.
+//! Accuracy and Stability of Numerical Algorithms, 2002, section 3.3), to first order, in the units of the
+//! component. Each operation counts ε, including powers and tables. Exact operations do not count: changes of
+//! sign, products with powers of two, 2x as x + x, x + 0, selections, arithmetic on small integers. Constants
+//! have the same rounding at every state, and do not count. The functions of the underlying float type
+//! compute the value, so it agrees bit for bit with the plain replay.
 
 use super::exact::is_power_of_two;
 use equip_scalar::{Constant, Float, Outside, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
-/// A value, and how far it may be off, as its operands may and it is rounded itself.
+/// A value, and the bound of its error due to its operands and its own rounding.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rounded<T> {
     pub(crate) value: T,
@@ -47,7 +47,7 @@ impl<T: Float> Rounded<T> {
         }
     }
 
-    /// The same of an operation that is not rounded.
+    /// f(x, y) for an operation that is not rounded.
     #[inline(always)]
     fn exactly(self, other: Self, f: T, by_x: T, by_y: T) -> Self {
         Rounded {
@@ -56,7 +56,7 @@ impl<T: Float> Rounded<T> {
         }
     }
 
-    /// The sum or difference f, which `doubles` one of the two.
+    /// The sum or difference f. `doubles` if both operands have the same value.
     #[inline(always)]
     fn linear(self, other: Self, f: T, [by_x, by_y]: [T; 2], doubles: bool) -> Self {
         let is_exact = doubles
@@ -69,13 +69,13 @@ impl<T: Float> Rounded<T> {
         }
     }
 
-    /// Whether it is 0, and is not what rounding left.
+    /// Whether the number is 0 exactly, and not by cancellation.
     #[inline(always)]
     fn is_none(self) -> bool {
         self.value == T::int(0) && self.error == T::int(0)
     }
 
-    /// Whether products with it are exact: 0, or a power of two with its sign.
+    /// Whether products with this number are exact: it is 0 or ± a power of two.
     #[inline(always)]
     fn scales(self) -> bool {
         let [x, rest, ..] = self.value.expansion();
@@ -83,7 +83,7 @@ impl<T: Float> Rounded<T> {
     }
 }
 
-/// Two that are doubles whatever the state, such as counts.
+/// The values if both are doubles at every state, such as counts.
 #[inline(always)]
 fn numbers<T: Float>(x: Rounded<T>, y: Rounded<T>) -> Option<[f64; 2]> {
     let is_fixed = x.error == T::int(0) && y.error == T::int(0);
@@ -91,7 +91,7 @@ fn numbers<T: Float>(x: Rounded<T>, y: Rounded<T>) -> Option<[f64; 2]> {
     (is_fixed && x_rest == 0.0 && y_rest == 0.0).then_some([x, y])
 }
 
-/// Whether f is x + y, by the error of the sum [Knuth 1969].
+/// Whether f = x + y exactly, by the error of the sum (Knuth 1969).
 fn is_sum<T: Float>(f: T, x: f64, y: f64) -> bool {
     let [high, low, ..] = f.expansion();
     let sum = x + y;
@@ -99,7 +99,7 @@ fn is_sum<T: Float>(f: T, x: f64, y: f64) -> bool {
     high == sum && low == (x - (sum - from_y)) + (y - from_y)
 }
 
-/// Whether f is xy, by the error of the product.
+/// Whether f = xy exactly, by the error of the product.
 fn is_product<T: Float>(f: T, x: f64, y: f64) -> bool {
     let [high, low, ..] = f.expansion();
     high == x * y && low == x.mul_add(y, -high)
@@ -213,7 +213,7 @@ impl<T: Float> Scalar for Rounded<T> {
         let by_y = f * <T as Scalar>::ln(x.value);
         let by_x = Piecewise::where_nonzero(by_x, y.value);
         let by_y = Piecewise::where_nonzero(by_y, f);
-        // At x = 0 ln x is infinite; an exponent that does not move must not make NaN of it.
+        // ln x is infinite at x = 0. With a constant exponent it must not cause NaN.
         let by_y = if y.error == T::int(0) {
             T::int(0)
         } else {
@@ -336,7 +336,8 @@ impl<T: Float> Piecewise for Rounded<T> {
         }
     }
 
-    /// The slope of c·xᶜ⁻¹ is (c − 1) times it over x, or from the next power where that says nothing.
+    /// The derivative of c·xᶜ⁻¹ is (c − 1)/x times this function. If that expression is undefined, it is
+    /// computed from the next power.
     #[inline(always)]
     fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
         let f = Piecewise::powf_derivative(x.value, power.value, c);

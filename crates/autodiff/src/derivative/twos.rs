@@ -1,18 +1,19 @@
-//! Powers of two in derivatives: squares and roots have one each. They wait until they meet a constant, which
-//! takes them up, or each other.
+//! Powers of two in derivatives. Squares and roots contribute one each. They are collected until a constant
+//! absorbs them or others cancel them.
 //!
-//! Multiplying by them is exact far from overflow and underflow, so no more than 2^[`MOST_TWOS`] waits.
+//! The product with a power of two is exact unless overflow or underflow is near, so no more than
+//! 2^[`MOST_TWOS`] is collected.
 
 use super::reverse::{Adjoint, Reverse};
 use crate::recording::op::{Node, Op};
 
-/// Operations that a power of two is carried into, one within the other.
+/// The number of nested operations into which a power of two is absorbed.
 const DEPTH: u32 = 3;
-/// Powers of two that wait at most.
+/// The largest collected exponent.
 const MOST_TWOS: i32 = 8;
 
 impl Reverse<'_> {
-    /// 2^twos w: in constants if they are all it takes.
+    /// 2^twos w, absorbed by constants if possible.
     pub(super) fn times_two(&mut self, w: Adjoint, twos: i32) -> Adjoint {
         let twos = w.twos + twos;
         let waiting = Adjoint { twos, ..w };
@@ -26,7 +27,7 @@ impl Reverse<'_> {
         }
     }
 
-    /// With its power of two multiplied in.
+    /// w with its power of two multiplied in.
     pub(super) fn settled(&mut self, w: Adjoint) -> Adjoint {
         let node = match w.twos {
             0 => w.node,
@@ -39,8 +40,8 @@ impl Reverse<'_> {
         Adjoint { node, twos: 0, ..w }
     }
 
-    /// Whether constants take the factor 2^twos up, at no cost: c, c·x, and c/x and sums of such if they
-    /// are used once.
+    /// Whether constants absorb the factor 2^twos at no cost: c, c·x, and c/x and sums of these if they are
+    /// used once.
     fn absorbs(&self, node: u32, twos: i32, depth: u32) -> bool {
         let Node { op, a, b } = self.recorder.nodes[node as usize];
         let is_own = self.shares.get(&node).is_none_or(|&shares| shares <= 1);
@@ -59,7 +60,7 @@ impl Reverse<'_> {
             }
     }
 
-    /// 2^twos times a node that takes it up.
+    /// 2^twos times a node that absorbs it.
     fn absorbed(&mut self, node: u32, twos: i32) -> u32 {
         let Node { op, a, b } = self.recorder.nodes[node as usize];
         match op {

@@ -1,16 +1,16 @@
-//! Hand-written gradients, held against the energy.
+//! Checks of user-supplied gradients against the energy.
 
 use crate::BuildError;
 use equip_scalar::Float;
 
-/// A component of a hand-written gradient that is not the derivative of the energy.
+/// A component of a user-supplied gradient that differs from the derivative of the energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrongGradient<T> {
-    /// Component of (∂H/∂q, ∂H/∂p), counted from 0.
+    /// The component of (∂H/∂q, ∂H/∂p), counted from 0.
     pub component: usize,
-    /// What the hand-written gradient says.
+    /// The component of the user-supplied gradient.
     pub given: T,
-    /// What the energy says.
+    /// The derivative of the energy.
     pub expected: T,
 }
 
@@ -24,7 +24,8 @@ impl<T: Float> From<WrongGradient<T>> for BuildError {
     }
 }
 
-/// Components may differ by √ε of the largest one: enough for any rounding, too little for a wrong term.
+/// Compares two gradients. Components may differ by √ε of the largest one: more than rounding, less than a
+/// wrong term.
 pub(crate) fn compare<T: Float>(given: &[T], expected: &[T]) -> Result<(), WrongGradient<T>> {
     let allowed = largest(expected) * T::EPSILON.sqrt();
     for (component, (&given, &expected)) in given.iter().zip(expected).enumerate() {
@@ -40,7 +41,7 @@ pub(crate) fn compare<T: Float>(given: &[T], expected: &[T]) -> Result<(), Wrong
     Ok(())
 }
 
-/// Room for a check along a run, which allocates nothing.
+/// Workspace for checks along a run, which then do not allocate.
 #[derive(Debug, Clone)]
 pub(crate) struct Checked<T> {
     point: Vec<T>,
@@ -58,8 +59,9 @@ impl<T: Float> Checked<T> {
         }
     }
 
-    /// [`compare`] at `y`. At a kink of H either side's derivative is right, so what differs there is looked
-    /// at once more beside it. `both` evaluates the gradient given and the one expected.
+    /// Compares the gradients at `y` by [`compare`]. If they differ, compares them at a nearby point as well,
+    /// since at a discontinuity of a derivative of H the derivative of either side is correct. `both`
+    /// evaluates the given and the expected gradient.
     pub(crate) fn at(
         &mut self,
         y: &[T],
@@ -78,8 +80,8 @@ impl<T: Float> Checked<T> {
     }
 }
 
-/// A point beside `y`: each component moved by about ⁴√ε of itself, or of the largest of its half where it
-/// is 0, no two of them by the same share, so that equal ones are equal no more.
+/// A point near `y`. Each component changes by about ⁴√ε of itself, or of the largest component of its half
+/// if it is 0. No two components change by the same share, so that equal ones become different.
 pub(crate) fn beside<T: Float>(y: &[T], point: &mut [T]) {
     let m = y.len() / 2;
     let share = T::EPSILON.sqrt().sqrt();
@@ -94,17 +96,17 @@ pub(crate) fn beside<T: Float>(y: &[T], point: &mut [T]) {
     }
 }
 
-/// Sizes of differences that are tried, each a 16th of the one before.
+/// The number of step sizes of the differences, each a 16th of the previous one.
 const LEVELS: u32 = 4;
 
-/// A gradient written by hand, with the running error bound of H at `y`, against differences of `value`,
-/// which has the relative error `accuracy`.
+/// Compares a user-supplied gradient at `y`, with the running error bound of H, with differences of `value`,
+/// whose relative error is `accuracy`.
 ///
-/// Two central differences of steps δ and 2δ tell the derivative, and how far they can be trusted: 16 times
-/// what they differ by, 16 times the rounding of H over δ, and ⁴√ε of the largest component. A component is
-/// wrong if it is beyond that for every δ from ⁴√accuracy of the component down to a 4096th of it, as far
-/// down as rounding leaves anything to tell, or if it is no number where H is one. Coarser than a comparison
-/// with the derivative itself. Allocates.
+/// Two central differences with steps δ and 2δ give the derivative and a bound of its error: 16 times their
+/// difference, 16 times the rounding of H over δ, and ⁴√ε of the largest component. A component is wrong if
+/// it differs by more than this bound for every δ from ⁴√accuracy of the component down to a 4096th of that,
+/// as far as rounding permits. It is also wrong if it is not finite although H is. The check is coarser than
+/// a comparison with the exact derivative. It allocates.
 pub(crate) fn by_differences<T: Float>(
     y: &[T],
     (given, bound): (&[T], T),

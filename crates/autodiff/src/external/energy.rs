@@ -1,4 +1,4 @@
-//! [`External`]: an energy that is computed by the user's own code, value and gradient, in doubles.
+//! [`External`]: an energy whose value and gradient are computed by user code, in doubles.
 
 use super::check::{beside, by_differences};
 use super::given::{Given, GivenGradient};
@@ -12,11 +12,11 @@ use std::sync::Arc;
 
 type Value = dyn Fn(&[f64], &[f64]) -> f64 + Send + Sync;
 
-/// H as a function of (q, p) that is not recorded: C code, an interpolator, a learned energy.
+/// H as a function of (q, p) without a trace: C code, an interpolator, a learned energy.
 #[derive(Clone)]
 pub(crate) struct External {
     value: Arc<Value>,
-    /// Relative rounding error of the value.
+    /// The relative rounding error of the value.
     accuracy: f64,
     pub(crate) gradient: GivenGradient,
     pub(crate) structure: Arc<Structure>,
@@ -62,13 +62,13 @@ impl External {
     }
 }
 
-/// It with its workspace.
+/// An external energy with its workspace.
 #[derive(Debug, Clone)]
 pub(crate) struct ExternalEvaluator<T> {
     pub(crate) of: External,
     pub(crate) given: Given<T>,
     points: Points<T>,
-    /// A state near the requested one, ∇H there, and a vector.
+    /// A state near the given one, ∇H there, and a vector.
     point: Vec<T>,
     ahead: Vec<T>,
     unit: Vec<T>,
@@ -100,8 +100,8 @@ impl<T: Float> ExternalEvaluator<T> {
         T::exact((self.of.value)(q, p))
     }
 
-    /// The bound is that of the value, and of what rounding y makes of it: nothing is known of terms that
-    /// cancel within H.
+    /// The bound covers the rounding of the value and the effect of rounding y. Cancellation of terms within
+    /// H is unknown.
     pub(crate) fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
         self.given.at(y, gradient);
         let h = self.value(y);
@@ -114,7 +114,8 @@ impl<T: Float> ExternalEvaluator<T> {
         (h, (of_value + of_state) / T::EPSILON)
     }
 
-    /// At a kink of H differences are those of neither side, so what differs is looked at once more beside.
+    /// If the gradients differ, they are compared at a nearby point as well, since at a discontinuity of a
+    /// derivative of H the differences are those of neither side.
     pub(crate) fn check_gradient(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
         let Err(wrong) = self.check_at(y) else {
             return Ok(());
@@ -130,14 +131,14 @@ impl<T: Float> ExternalEvaluator<T> {
         by_differences(y, (&given, bound), self.of.accuracy, |y| self.value(y))
     }
 
-    /// Not known.
+    /// Zero, since the rounding of an external gradient is not known.
     pub(crate) fn gradient_rounding(&self, y: &[T], off: &mut [T]) {
         self.check(&[y.len(), off.len()]);
         off.fill(T::int(0));
     }
 
-    /// By central differences of the gradient. Positions and momenta have units of their own: neither moves
-    /// by more than ε^{1/3} of its largest.
+    /// By central differences of the gradient. Positions and momenta have different units: neither changes by
+    /// more than ε^{1/3} of its largest component.
     pub(crate) fn hessian_times(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         self.check(&[y.len(), v.len(), product.len()]);
         let (zero, one) = (T::int(0), T::int(1));

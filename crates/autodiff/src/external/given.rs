@@ -1,4 +1,4 @@
-//! [`Given`]: a gradient that is a function of the user's own, in doubles.
+//! [`Given`]: a user-supplied gradient, in doubles.
 
 use super::check::Checked;
 use crate::WrongGradient;
@@ -28,7 +28,7 @@ impl GivenGradient {
     }
 }
 
-/// The same with its workspace. In another float its argument and its result are rounded to doubles.
+/// The gradient with its workspace. For other float types its argument and its result are rounded to doubles.
 #[derive(Debug, Clone)]
 pub(crate) struct Given<T> {
     gradient: GivenGradient,
@@ -49,7 +49,7 @@ impl<T: Float> Given<T> {
         }
     }
 
-    /// `y`, which may be the positions alone, in doubles; momenta that are not there are 0.
+    /// `y` in doubles. If `y` contains the positions only, the momenta are 0.
     pub(crate) fn in_doubles(&mut self, y: &[T]) -> &[f64] {
         let (given, missing) = self.state.split_at_mut(y.len());
         given.iter_mut().zip(y).for_each(|(x, y)| *x = y.to_f64());
@@ -71,14 +71,14 @@ impl<T: Float> Given<T> {
         derivatives.for_each(|(derivative, &x)| *derivative = T::exact(x));
     }
 
-    /// At states that stand one after the other.
+    /// ∇H at several states, one after the other.
     pub(crate) fn one_by_one(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
             self.at(y, gradient);
         }
     }
 
-    /// At states that stand component by component.
+    /// ∇H at several states, component by component.
     pub(crate) fn by_component(
         &mut self,
         states: &[T],
@@ -91,7 +91,8 @@ impl<T: Float> Given<T> {
         self.each(states, gradients, stride, count);
     }
 
-    /// At each point of a batch that stands component by component, all n components or the positions alone.
+    /// ∇H at each point of a batch that is stored component by component, with all n components or the
+    /// positions alone.
     pub(crate) fn each(&mut self, states: &[T], gradients: &mut [T], stride: usize, count: usize) {
         let mut points = std::mem::take(&mut self.points);
         points.each(states, gradients, stride, count, |y, derivative| {
@@ -100,7 +101,7 @@ impl<T: Float> Given<T> {
         self.points = points;
     }
 
-    /// Held against what `expected` says at `y`.
+    /// Compares the gradient with `expected` at `y`.
     pub(crate) fn check(
         &mut self,
         y: &[T],

@@ -1,4 +1,4 @@
-//! Energies, and gradients, that are code of the user's own.
+//! Energies and gradients computed by user code.
 
 pub(crate) mod check;
 pub(crate) mod energy;

@@ -1,26 +1,26 @@
-//! [`Compiled`]: a recording as machine code, made when it is first run.
+//! [`Compiled`]: a trace as machine code, compiled at its first run.
 
 use crate::replay::batch::Batch;
 use equip_jit::{Code, Program};
 use equip_scalar::{Float, InstructionSet, Lanes};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A recording as a program, with its code so far; shared by all evaluators.
+/// A trace as a program, with the code compiled so far; shared by all evaluators.
 #[derive(Debug)]
 pub(crate) struct Compiled {
     program: Program,
     codes: Mutex<Vec<(Layout, Option<Arc<Code>>)>>,
 }
 
-/// What code is made for: instructions, and the length of rows.
+/// The parameters of the code: the instruction set, and the length of rows.
 type Layout = (InstructionSet, usize);
 
-/// Lengths of rows that code is made for: a single point, and what stages are padded to. Callers with others
-/// would have code made for each.
+/// The supported lengths of rows: a single point, and the padded numbers of stages. Other lengths would each
+/// need their own code.
 const STRIDES: [usize; 6] = [1, 4, 8, 16, 24, 32];
 
 impl Compiled {
-    /// `None` if the recording is no program, or has no instructions to be run with.
+    /// `None` if the trace is not a program, or the processor lacks the instructions.
     pub(crate) fn new(program: impl FnOnce() -> Option<Program>) -> Option<Arc<Self>> {
         if InstructionSet::best() == InstructionSet::PORTABLE {
             return None;
@@ -42,17 +42,17 @@ impl Compiled {
     }
 }
 
-/// A recording that one evaluator runs as machine code, where there is such.
+/// A trace that one evaluator runs as machine code, if there is any.
 #[derive(Debug, Clone)]
 pub(crate) struct Runs {
     compiled: Option<Arc<Compiled>>,
-    /// What has been run so far.
+    /// The code that has been run so far.
     codes: Vec<(Layout, Option<Arc<Code>>)>,
     scratch: Vec<Lanes<8>>,
 }
 
 impl Runs {
-    /// For this float type, of which only `f64` has code.
+    /// For this float type. There is code for `f64` only.
     pub(crate) fn new<T: Float>(compiled: impl FnOnce() -> Option<Arc<Compiled>>) -> Self {
         Runs {
             compiled: if T::IS_DOUBLE { compiled() } else { None },
@@ -61,8 +61,8 @@ impl Runs {
         }
     }
 
-    /// Runs the code at all points. `None` if there is none. It is made, or taken from the shared, at the
-    /// first run of a layout.
+    /// Runs the code at all points. `None` if there is no code. At the first run with a layout the code is
+    /// compiled, or taken from the shared code.
     #[inline]
     pub(crate) fn run<T: Float>(&mut self, set: InstructionSet, mut batch: Batch<T>) -> Option<()> {
         let batch = batch.in_doubles()?;
@@ -77,7 +77,7 @@ impl Runs {
         Some(())
     }
 
-    /// The code for rows of `stride` numbers, if it needs no scratch.
+    /// The code for rows of `stride` numbers, if it needs no scratch memory.
     #[inline]
     pub(crate) fn without_scratch(&mut self, set: InstructionSet, stride: usize) -> Option<&Code> {
         let k = self.known((set, stride))?;
@@ -137,7 +137,7 @@ mod tests {
         has_run
     }
 
-    /// Not by a replay that gives the same.
+    /// The code is run, not a replay with the same result.
     #[test]
     fn arithmetic_is_run_as_machine_code() {
         let compiled = compiled(|q, p| q[0].powi(3) + p[0]);

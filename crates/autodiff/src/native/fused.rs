@@ -1,35 +1,35 @@
-//! [`Fused`]: a computation with ∇H or ∇U in its midst, compiled together with the energy.
+//! [`Fused`]: a computation that contains ∇H or ∇U, compiled together with the energy.
 //!
-//! A stage iteration of a small system is a gradient of 30 ns and a product with a matrix of 30 ns. As two
-//! kernels that hand each other numbers through memory, with lengths known when the program runs, it takes
-//! three times the sum. Here the energy calls the computation and not the other way round: the compiler sees
-//! both, and the number of components as a literal. The energy itself is called as machine code from there.
+//! A stage iteration of a small system is a gradient of 30 ns and a matrix product of 30 ns. As two kernels
+//! that exchange numbers through memory, with lengths known at run time only, it takes three times their sum.
+//! Here the energy calls the computation instead: the compiler sees both, with a constant number of
+//! components. The energy itself is called as machine code.
 
 use equip_jit::Code;
 use equip_scalar::{Kernel, Lanes};
 
-/// ∇H of a system with C components, or ∇U of one with C positions, at N points.
+/// ∇H of a system with C components, or ∇U of a system with C positions, at N points.
 #[doc(hidden)]
 pub trait StageGradients<const C: usize, const N: usize> {
-    /// The derivatives at the states, each of them with every bit of the one at a single state.
+    /// The derivatives at the states, bit for bit the same as at single states.
     fn at(&self, states: &[[f64; N]; C]) -> [Lanes<N>; C];
 }
 
-/// What is to be done with the derivatives. Mark `run`, and all it calls, `#[inline(always)]`.
+/// A computation on the derivatives. Mark `run`, and all functions that it calls, `#[inline(always)]`.
 #[doc(hidden)]
 pub trait Fused<const N: usize> {
-    /// What it returns.
+    /// The result of the computation.
     type Output;
     /// The computation.
     fn run<const C: usize>(&mut self, derivatives: &impl StageGradients<C, N>) -> Self::Output;
-    /// The same for few registers, as [`Kernel::run_narrow`].
+    /// The same for few registers; see [`Kernel::run_narrow`].
     fn run_narrow<const C: usize>(
         &mut self,
         derivatives: &impl StageGradients<C, N>,
     ) -> Self::Output;
 }
 
-/// Derivatives by machine code that was made for rows of this length.
+/// Derivatives by machine code for rows of this length.
 pub(crate) struct Called<'a>(pub(crate) &'a Code);
 
 impl<const C: usize, const N: usize> StageGradients<C, N> for Called<'_> {
@@ -43,7 +43,7 @@ impl<const C: usize, const N: usize> StageGradients<C, N> for Called<'_> {
     }
 }
 
-/// A computation with its derivatives, of C components.
+/// A computation with its derivatives, for C components.
 pub(crate) struct Joined<'a, S, F, const C: usize, const N: usize> {
     pub(crate) derivatives: S,
     pub(crate) task: &'a mut F,
@@ -67,7 +67,7 @@ where
     }
 }
 
-/// Runs the task with the number of components as a literal, or gives it back.
+/// Runs the task with a constant number of components; `None` for other numbers.
 macro_rules! fuse {
     ($set:expr, $count:expr, $derivatives:ident, $task:ident, [$($literal:literal)*]) => {
         match $count {

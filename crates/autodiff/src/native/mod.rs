@@ -1,4 +1,4 @@
-//! A graph as machine code, and computations compiled together with derivatives.
+//! Graphs as machine code, and computations compiled together with derivatives.
 
 pub(crate) mod compiled;
 pub(crate) mod fused;

@@ -1,19 +1,20 @@
-//! A recording as straight-line code.
+//! A trace as straight-line code.
 //!
-//! From the results downwards, depth first: what a result needs is computed just before it, if no earlier one
-//! needed it, so few numbers are alive at a time. The operations are those of the replay, one by one.
+//! The graph is traversed depth first from the results: each operation is computed just before the first
+//! result that needs it, so few numbers are live at a time. The operations are those of the replay, one by
+//! one.
 
 use crate::recording::graph::{Graph, Term};
 use crate::recording::op::{Node, Op};
 use equip_jit::{Program, Value};
 use std::collections::HashMap;
 
-/// Nodes and terms of the largest graph that becomes a program: code and what it takes to make it are some
+/// The largest number of nodes and terms of a graph that becomes a program. Code and compilation take several
 /// hundred bytes for each.
 const LARGEST: usize = 1 << 22;
 
-/// The program of a graph whose operations are arithmetic, √ and |x| only, if it is not too large.
-/// `constants` evaluates the nodes that depend on constants only, as replays do.
+/// The program of a graph that consists of arithmetic, √ and |x| only, if it is not too large. `constants`
+/// evaluates the nodes that depend on constants only, as replays do.
 pub(crate) fn straight(
     graph: &Graph,
     constants: impl FnOnce(&Graph) -> Vec<(u32, f64)>,
@@ -59,12 +60,12 @@ fn is_arithmetic(op: Op) -> bool {
     )
 }
 
-/// What is still to be done for a result.
+/// The remaining tasks for a result.
 #[derive(Debug, Clone, Copy)]
 enum Task {
-    /// The operation, after all it needs.
+    /// Compute a node and everything it depends on.
     Need(u32),
-    /// The operation itself.
+    /// Compute the node, whose operands are known.
     Do(u32),
     /// One term of a sum.
     Add { to: u32, term: Term },
@@ -73,9 +74,9 @@ enum Task {
 struct Translation<'a> {
     graph: &'a Graph,
     program: Program,
-    /// Values of nodes; of sums that are not complete, what there is.
+    /// The values of nodes; for an incomplete sum the partial sum.
     values: Vec<Option<Value>>,
-    /// Roots of nodes.
+    /// The square roots of nodes.
     roots: HashMap<u32, Value>,
 }
 
@@ -152,13 +153,13 @@ impl Translation<'_> {
         self.program.div(one, x)
     }
 
-    /// √x of a node, once.
+    /// √x of a node, computed once.
     fn root(&mut self, node: u32, x: Value) -> Value {
         let program = &mut self.program;
         *self.roots.entry(node).or_insert_with(|| program.sqrt(x))
     }
 
-    /// x^(n/2) as `Scalar::powf` computes it.
+    /// x^(n/2) in the order of `Scalar::powf`.
     fn half_power(&mut self, node: u32, x: Value, n: i32) -> Value {
         let root = self.root(node, x);
         let whole = self.power(x, n.abs() / 2);
@@ -166,7 +167,7 @@ impl Translation<'_> {
         if n < 0 { self.reciprocal(power) } else { power }
     }
 
-    /// Squaring and multiplying from the lowest bit upwards, as over lanes.
+    /// Binary powering from the lowest bit upwards, in the order of the lanes.
     fn power(&mut self, x: Value, n: i32) -> Value {
         let mut exponent = n.unsigned_abs();
         let (mut square, mut power) = (x, None);

@@ -1,18 +1,18 @@
-//! A recording as bytes: every node in its place, so that H and its derivatives keep every bit. `read.rs`
+//! A trace as bytes, with every node at its index, so that H and its derivatives agree bit for bit. `read.rs`
 //! reads them.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 8 | [`MAGIC`] |
 //! | 4 | [`FORMAT`] |
 //! | 8 | checksum of the rest: FNV-1a |
-//! | 1 | bits: H is there (1), H(t, q, p) alone (2), the form of a bracket (4), one component too many (8) |
-//! | | for each recording: inputs, lengths of the three lists, root; constants, functions, operations |
+//! | 1 | bits: H (1), H(t, q, p) alone (2), the form of a bracket (4), an unused last component (8) |
+//! | | for each trace: inputs, lengths of the three lists, root; constants, functions, operations |
 //!
-//! The least significant byte of a number is the first. An operation is its code, its payload if it has one,
-//! and its operands; components of the state stand before all others and are not written. Bytes come from
-//! anywhere: the reader compares every count with the bytes that are left before it reserves memory, so that
-//! it takes less than 100 times the memory of the bytes, and 10 MB for components that no operation needs.
+//! The least significant byte of a number comes first. An operation is its code, its payload if it has one,
+//! and its operands. Components of the state precede all other nodes and are not written. The bytes are not
+//! trusted: before the reader reserves memory, it compares every count with the number of remaining bytes. It
+//! uses less than 100 times the memory of the bytes, and 10 MB for components that no operation uses.
 
 use crate::BytesError;
 use crate::recording::op::{Node, Op};
@@ -26,13 +26,13 @@ pub(super) const MAGIC: [u8; 8] = *b"equip H\n";
 pub(super) const FORMAT: u32 = 2;
 const HEAD: usize = MAGIC.len() + 4 + 8;
 
-/// Components of a state that need no bytes of their own. Of more, H depends on a good part: each of these is
-/// an operand, which is four bytes.
+/// The number of components that need no bytes of their own. With more components, H must depend on a good
+/// part of them: each such component is an operand, which takes four bytes.
 const FREE_COMPONENTS: usize = 1 << 16;
 const COMPONENT: usize = 4;
 pub(super) const LENGTHS: [usize; 2] = [4, 6]; // doubles of an extended constant up to 212 bits, and beyond
 
-/// Operations without a payload; the place here is the code. Another order is another format.
+/// The operations without a payload. The index is the code, so another order is another format.
 pub(super) const PLAIN: [Op; 37] = [
     Op::Add,
     Op::Sub,
@@ -73,26 +73,26 @@ pub(super) const PLAIN: [Op; 37] = [
     Op::WhereNonzero,
 ];
 
-/// Codes of operations with a payload.
+/// The codes of operations with a payload.
 pub(super) const CONSTANT: u8 = 200;
 pub(super) const POWI: u8 = 201;
 pub(super) const POWF: u8 = 202;
 pub(super) const HALF_POWER: u8 = 203;
 pub(super) const OUTSIDE: u8 = 204;
 
-/// The recordings of one energy.
+/// The traces of one energy.
 pub(crate) struct Content<R> {
     /// H.
     pub(crate) energy: R,
-    /// H(t, q, p) alone if it depends on time.
+    /// H(t, q, p) alone, if H depends on time.
     pub(crate) alone: Option<R>,
-    /// The bilinear form of a bracket that is not canonical, of y, g and λ.
+    /// The bilinear form of y, g and λ of a bracket that is not canonical.
     pub(crate) form: Option<R>,
-    /// Whether the last component is no part of the state.
+    /// Whether the last component is unused.
     pub(crate) is_odd: bool,
 }
 
-/// Bits of the first byte.
+/// The bits of the first byte.
 pub(super) const ENERGY: u8 = 1;
 pub(super) const ALONE: u8 = 2;
 pub(super) const FORM: u8 = 4;
@@ -111,7 +111,7 @@ pub(crate) fn write(of: &Content<&Recording>) -> Result<Vec<u8>, BytesError> {
             function.to_bytes().ok_or_else(not_data)
         })?;
         let components = recording.operations.inputs;
-        // Five counts stand before what the reader compares with them.
+        // The five counts precede the bytes with which the reader compares them.
         if !is_room_for(components, content.len() - before - 5 * 4) {
             return Err(BytesError::ComponentsNotUsed { components });
         }
@@ -124,12 +124,13 @@ pub(crate) fn write(of: &Content<&Recording>) -> Result<Vec<u8>, BytesError> {
     Ok(bytes)
 }
 
-/// Whether a recording of so many bytes may have so many components.
+/// Whether a trace of `bytes` bytes may have this number of components.
 pub(super) fn is_room_for(components: usize, bytes: usize) -> bool {
     components <= FREE_COMPONENTS.max(bytes / COMPONENT)
 }
 
-/// The checksum of the formula: operations, constants and tables. Closures from outside count as one.
+/// The checksum of the formula: operations, constants and tables. All external closures have the same
+/// checksum.
 pub(crate) fn formula_checksum(recording: &Recording) -> u64 {
     let mut content = Vec::new();
     let data =
@@ -138,7 +139,7 @@ pub(crate) fn formula_checksum(recording: &Recording) -> u64 {
     checksum(&content)
 }
 
-/// A recording, with what is `data` of its functions from outside.
+/// Writes a trace. `data` writes its external functions.
 fn write_recording<E>(
     recording: &Recording,
     bytes: &mut Vec<u8>,
@@ -153,7 +154,7 @@ fn write_recording<E>(
         nodes.len(),
         recording.root as usize,
     ] {
-        // Places of a recording are 32 bits.
+        // The indices of a trace have 32 bits.
         bytes.extend((n as u32).to_le_bytes());
     }
     for constant in &operations.constants {
@@ -204,7 +205,7 @@ fn write_node(node: &Node, bytes: &mut Vec<u8>) {
             bytes.push(code);
             bytes.extend(word.to_le_bytes());
         }
-        // Of other operations no recording of an energy consists.
+        // The trace of an energy contains no other operations.
         None => bytes.push(PLAIN.iter().position(|&op| op == node.op).unwrap_or(255) as u8),
     }
     if let Op::Outside { orders, .. } = node.op {
@@ -220,8 +221,8 @@ fn write_all(data: &[u8], bytes: &mut Vec<u8>) {
     bytes.extend(data);
 }
 
-/// FNV-1a, 64 bits: each byte is mixed in by a map that can be undone, so that contents of one length that
-/// differ in one byte never have the same sum.
+/// FNV-1a, 64 bits. Each byte is combined by an invertible map, so contents of equal length that differ in
+/// one byte have different checksums.
 pub(super) fn checksum(bytes: &[u8]) -> u64 {
     let mut sum = FnvHasher::default();
     sum.write(bytes);

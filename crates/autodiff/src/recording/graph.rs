@@ -1,16 +1,18 @@
-//! [`Graph`]: the recording without what does not reach H, long sums gathered.
+//! [`Graph`]: the computational graph of the trace, without operations that H does not depend on, and with
+//! long sums combined.
 //!
-//! A loop that adds n terms to H records a chain of n additions, each waiting for the one before. Where
-//! nothing else uses the partial sums, the chain becomes one operation with n operands, still added in the
-//! order the energy adds them: every bit is kept, nothing forces n steps one after the other, and
-//! the analyses of structure stay linear in n.
+//! A loop that adds n terms to H traces a chain of n additions, each of which depends on the previous one. If
+//! the partial sums are not used elsewhere, the chain becomes one operation with n operands. The order of the
+//! additions does not change, so the result agrees bit for bit. There are no n dependent steps, and the
+//! analyses of structure remain linear in n.
 
 use crate::recording::op::{Curvature, Node, Op, Operations};
 use equip_scalar::{Constant, Outside};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Shortest chain of additions that becomes a sum; below, pairs of additions fit better into runs.
+/// The shortest chain of additions that becomes a sum. Shorter chains fit better into runs as pairs of
+/// additions.
 const SHORTEST_SUM: u32 = 8;
 
 /// One operand of a sum.
@@ -20,7 +22,7 @@ pub(crate) struct Term {
     pub(crate) minus: bool,
 }
 
-/// Operations in an order in which operands stand before their users.
+/// Operations, in an order in which operands precede their users.
 #[derive(Debug)]
 pub(crate) struct Graph {
     pub(crate) inputs: usize,
@@ -28,9 +30,9 @@ pub(crate) struct Graph {
     pub(crate) constants: Vec<Constant>,
     pub(crate) functions: Vec<Arc<dyn Outside>>,
     pub(crate) terms: Vec<Term>,
-    /// Entry of each sum in `terms`; the first term of a sum is never subtracted.
+    /// The range of each sum in `terms`. The first term of a sum is never subtracted.
     pub(crate) sums: Vec<Range<usize>>,
-    /// Nodes of the results: H alone, or derivatives.
+    /// The nodes of the results: H alone, or derivatives.
     pub(crate) roots: Vec<u32>,
     /// Whether a node depends on constants only.
     pub(crate) is_constant: Vec<bool>,
@@ -71,7 +73,7 @@ impl Graph {
         graph
     }
 
-    /// Node of H, where that is the result.
+    /// The node of H, if H is the result.
     pub(crate) fn root(&self) -> u32 {
         self.roots[0]
     }
@@ -90,7 +92,7 @@ impl Graph {
         }
     }
 
-    /// With these operations, less those that are `taken` out, which no other needs.
+    /// A graph with these operations, except those that are `taken` out, which no other operation needs.
     pub(crate) fn without(&self, taken: &[bool], nodes: Vec<Node>) -> Graph {
         let mut renumbered = vec![0; nodes.len()];
         let mut left = Vec::with_capacity(nodes.len());
@@ -129,7 +131,8 @@ impl Graph {
         })
     }
 
-    /// What depends on constants only, all of it as results, and the nodes here of these.
+    /// A graph of all nodes that depend on constants only, all of them results, and the indices of these
+    /// nodes here.
     pub(crate) fn constants_only(&self) -> (Graph, Vec<u32>) {
         let is_constant = |&i: &u32| self.is_constant[i as usize];
         let roots: Vec<u32> = (0..self.nodes.len() as u32).filter(is_constant).collect();
@@ -146,7 +149,7 @@ impl Graph {
         }
     }
 
-    /// Operands of a node.
+    /// The operands of a node.
     pub(crate) fn operands(&self, node: usize) -> impl Iterator<Item = u32> + '_ {
         let Node { op, a, b } = self.nodes[node];
         let terms = match op {
@@ -157,7 +160,7 @@ impl Graph {
         pair.chain(self.terms[terms].iter().map(|term| term.node))
     }
 
-    /// Where a node has second derivatives by its operands, constants not counted.
+    /// The second derivatives of a node by its operands that can be non-zero, without those by constants.
     pub(crate) fn curvature(&self, node: usize) -> Curvature {
         let Node { op, a, b } = self.nodes[node];
         let constant = |x: u32| self.is_constant[x as usize];
@@ -197,7 +200,7 @@ impl Graph {
     }
 }
 
-/// The partial sums of chains of at least `terms` terms: operations that are done within a sum of the graph.
+/// Marks the partial sums of chains of at least `terms` terms. They are computed within a sum of the graph.
 pub(crate) fn partial_sums(recorder: &Operations, root: u32, terms: usize) -> Vec<bool> {
     let chains = Chains::new(&recorder.nodes, &count_uses(recorder, &[root]));
     let mut is_partial = vec![false; recorder.nodes.len()];
@@ -210,7 +213,7 @@ pub(crate) fn partial_sums(recorder: &Operations, root: u32, terms: usize) -> Ve
     is_partial
 }
 
-/// How often each node is used by nodes that reach a root; being a root counts as use.
+/// How often each node is used by nodes on which a root depends. Being a root counts as a use.
 fn count_uses(recorder: &Operations, roots: &[u32]) -> Vec<u32> {
     let mut uses = vec![0_u32; recorder.nodes.len()];
     roots.iter().for_each(|&root| uses[root as usize] += 1);
@@ -227,11 +230,11 @@ fn count_uses(recorder: &Operations, roots: &[u32]) -> Vec<u32> {
 
 /// Chains of additions and subtractions whose partial sums are used once.
 struct Chains {
-    /// The operand that continues the chain, if any.
+    /// The operand that continues the chain, if there is one.
     next: Vec<Option<u32>>,
-    /// Operands of the chain from here on.
+    /// The number of operands of the chain from this node on.
     length: Vec<u32>,
-    /// Inside a sum that starts further up.
+    /// Whether the node is inside a longer sum.
     absorbed: Vec<bool>,
 }
 
@@ -272,7 +275,7 @@ impl Chains {
         self.length[node] >= SHORTEST_SUM && !self.absorbed[node]
     }
 
-    /// The operands of a sum, last first.
+    /// The operands of a sum, in reverse order.
     fn terms<'a>(&'a self, nodes: &'a [Node], top: usize) -> impl Iterator<Item = Term> + 'a {
         let mut pending = None;
         let mut at = Some(top);

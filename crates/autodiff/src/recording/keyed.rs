@@ -1,21 +1,21 @@
-//! [`Keyed`]: a quick hash of short keys, with a key of its own in every process.
+//! [`Keyed`]: a fast hash of short keys, with a random key for each process.
 //!
-//! Recordings are read from files, and who writes a file must not know which operations collide. Each word is
-//! multiplied by the key, and the two halves of the product are added without carry, as wyhash and foldhash
-//! do. The standard hasher takes 1.1 to 2.5 times as long for five million operations.
+//! Traces are read from files, and the author of a file must not know which operations collide. Each word is
+//! multiplied by the key, and the two halves of the product are combined by exclusive or, as in wyhash and
+//! foldhash. The standard hasher takes 1.1 to 2.5 times as long for five million operations.
 
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
 use std::sync::LazyLock;
 
-/// The hasher of operations and where it begins.
+/// The hasher of operations, and its initial state.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Keyed {
     state: u64,
     key: u64,
 }
 
-/// Makes hashers with the key of this process.
+/// Builds hashers with the key of this process.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Keys(Keyed);
 
@@ -81,8 +81,8 @@ mod tests {
     use std::collections::HashSet;
     use std::hash::BuildHasher;
 
-    /// Words that differ in few bits fall into different places of a table, be it by the low bits of the hash
-    /// or by the high ones.
+    /// Words that differ in few bits have different indices in a table, by the low bits of the hash as well
+    /// as by the high bits.
     #[test]
     fn words_are_spread() {
         let keys = Keys::default();
@@ -91,7 +91,7 @@ mod tests {
             let places: HashSet<u64> = words
                 .map(|words| keys.hash_one(words) >> shift & 0x3fff)
                 .collect();
-            // Of random places 1 − 1/e of all would be taken.
+            // With random indices a share of 1 − 1/e would be occupied.
             assert!(places.len() > 10_000, "{}", places.len());
         }
     }

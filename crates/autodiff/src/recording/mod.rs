@@ -1,4 +1,4 @@
-//! Operations of H as they are met, each once, and the graph of those that reach H.
+//! The trace of H, in which every operation occurs once, and the graph of the operations on which H depends.
 
 pub(crate) mod bytes;
 pub(crate) mod graph;

@@ -1,4 +1,4 @@
-//! [`Op`]: the operations a recording consists of.
+//! [`Op`]: the operations of a trace.
 
 use equip_scalar::{Constant, Outside};
 use std::sync::Arc;
@@ -6,11 +6,11 @@ use std::sync::Arc;
 /// One operation. Payloads are part of the operation, so that a run of equal operations shares them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) enum Op {
-    /// Entry of the table of constants.
+    /// An entry of the table of constants.
     Constant(u32),
-    /// Component of y = (q, p).
+    /// A component of y = (q, p).
     Input(u32),
-    /// Entry of the table of sums.
+    /// An entry of the table of sums.
     Sum(u32),
     Add,
     Sub,
@@ -24,7 +24,7 @@ pub(crate) enum Op {
     Abs,
     /// Integer power.
     Powi(i32),
-    /// Power with a constant exponent, an entry of the table of constants.
+    /// Power with a constant exponent, which is an entry of the table of constants.
     Powf(u32),
     /// Power with the exponent n/2, n odd, |n| from 3 to 15.
     HalfPower(i32),
@@ -52,42 +52,42 @@ pub(crate) enum Op {
     Hypot,
     Min,
     Max,
-    /// A derivative of an entry of the table of functions, of the given orders in a and b; one of one
+    /// A derivative of an entry of the table of functions, of the given orders in a and b. A function of one
     /// variable has its operand twice.
     Outside {
         function: u32,
         orders: [u8; 2],
     },
-    /// Those of [`Piecewise`](equip_scalar::Piecewise): −1, 0 or 1.
+    /// The sign, as in [`Piecewise`](equip_scalar::Piecewise): −1, 0 or 1.
     Sign,
     /// 1 where a ≤ b, else 0.
     AtMost,
     /// a where b is not 0, else 0.
     WhereNonzero,
-    /// Derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants; in
-    /// derivatives only.
+    /// The derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants.
+    /// Occurs in derivatives only.
     PowfDerivative(u32),
-    /// a² + b, which two operations are replayed as.
+    /// a² + b: two operations replayed as one.
     SquareAdd,
-    /// 1/√a, which two operations are replayed as.
+    /// 1/√a: two operations replayed as one.
     RecipSqrt,
 }
 
-/// Where an operation has second derivatives of its own, in its operands a and b.
+/// The second derivatives of an operation by its operands a and b that can be non-zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Curvature {
-    /// Nowhere; |x|, min, max and selections are linear piece by piece.
+    /// None; |x|, min, max and selections are piecewise linear.
     None,
-    /// In (a, b).
+    /// (a, b).
     Product,
-    /// In (a, b) and (b, b).
+    /// (a, b) and (b, b).
     Quotient,
-    /// In every pair.
+    /// All pairs.
     Full,
 }
 
 impl Op {
-    /// Number of operands; a sum keeps its own elsewhere.
+    /// The number of operands. The operands of a sum are stored elsewhere.
     pub(crate) fn arity(self) -> usize {
         match self {
             Op::Constant(_) | Op::Input(_) | Op::Sum(_) => 0,
@@ -109,7 +109,7 @@ impl Op {
         }
     }
 
-    /// Operations of arithmetic or calls of functions that it is.
+    /// The number of arithmetic operations or function calls that this operation replaces.
     pub(crate) fn count(self) -> usize {
         match self {
             Op::SquareAdd | Op::RecipSqrt => 2,
@@ -117,8 +117,8 @@ impl Op {
         }
     }
 
-    /// Roundings to ε of the result that it is worth: 1, but a power is rounded for each of its
-    /// multiplications, to ε/2, and an interpolated table is a polynomial.
+    /// The number of roundings, in units of ε of the result: 1 in general. A power is rounded to ε/2 by each
+    /// of its multiplications, and an interpolated table is a polynomial.
     pub(crate) fn roundings(self) -> u32 {
         match self {
             Op::Powi(n) => n.unsigned_abs().div_ceil(2).max(1),
@@ -128,7 +128,7 @@ impl Op {
         }
     }
 
-    /// Whether no result is less than 0, whatever the operands.
+    /// Whether the result is non-negative for all operands.
     pub(crate) fn is_never_negative(self) -> bool {
         match self {
             Op::Powi(n) => n % 2 == 0,
@@ -148,12 +148,12 @@ impl Op {
         }
     }
 
-    /// Whether exchanging the operands leaves every bit of the result.
+    /// Whether exchanging the operands gives the same result bit for bit.
     pub(crate) fn is_commutative(self) -> bool {
         matches!(self, Op::Add | Op::Mul)
     }
 
-    /// The result for two doubles if it is exact, far from overflow and underflow.
+    /// The result for two doubles if it is exact, and neither overflow nor underflow is near.
     pub(crate) fn exact(self, a: f64, b: f64) -> Option<f64> {
         let moderate = |x: f64| x == 0.0 || (1e-100..1e100).contains(&x.abs());
         let result = match self {
@@ -170,7 +170,7 @@ impl Op {
         (is_exact && [a, b, result].into_iter().all(moderate)).then_some(result)
     }
 
-    /// Second derivatives by the operands.
+    /// The second derivatives by the operands.
     pub(crate) fn curvature(self) -> Curvature {
         match self {
             Op::Constant(_)
@@ -192,7 +192,7 @@ impl Op {
     }
 }
 
-/// An operation with its operands, which stand earlier. A unary operation has its operand twice.
+/// An operation with its operands, which are earlier nodes. A unary operation has its operand twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Node {
     pub(crate) op: Op,
@@ -200,7 +200,7 @@ pub(crate) struct Node {
     pub(crate) b: u32,
 }
 
-/// Operations in the order they were met, inputs first.
+/// Operations in the order of the trace, inputs first.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Operations {
     pub(crate) inputs: usize,

@@ -1,14 +1,14 @@
-//! Operations of a recording that are replayed as one: a² + b and 1/√a.
+//! Pairs of operations that are replayed as one: a² + b and 1/√a.
 //!
-//! What replays wait for is reading operands and writing results, so an operation whose result goes nowhere
-//! else is done where it is used. Each is still rounded for itself: every bit is kept. Done after all that is
-//! to be known of the structure is known.
+//! A replay mostly waits for reading operands and writing results. An operation whose result is used once is
+//! therefore computed together with its user. Each is still rounded separately, so results agree bit for bit.
+//! This is done after the analyses of structure.
 
 use crate::recording::graph::Graph;
 use crate::recording::op::{Node, Op};
 use equip_scalar::Constant;
 
-/// The same graph in fewer operations.
+/// The same graph with fewer operations.
 pub(crate) fn peephole(graph: &Graph) -> Graph {
     let uses = count_uses(graph);
     let mut taken = vec![false; graph.nodes.len()];
@@ -69,7 +69,7 @@ mod tests {
 
     fn potential(q: &[Var]) -> Var {
         let r2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
-        // q₀² goes elsewhere too, and stays.
+        // q₀² is used elsewhere too, and remains.
         1.0 / r2.sqrt() + (q[0] * q[0]).exp()
     }
 
@@ -85,8 +85,8 @@ mod tests {
         assert_eq!(count(Op::Add), 1);
     }
 
-    /// A chain whose springs share a factor, in a force that all masses feel: some results go to many blocks,
-    /// and one is a term of a sum in each.
+    /// A chain whose springs share a factor, in a force that depends on all masses: some results are used in
+    /// many blocks, and one is a term of a sum in each block.
     #[test]
     fn blocks_and_operations_in_one_have_the_bits_of_single_operations() {
         let m = 400;

@@ -1,4 +1,4 @@
-//! A recording from its bytes ([`crate::recording::bytes`]), which come from anywhere.
+//! Reads a trace from bytes ([`crate::recording::bytes`]) that are not trusted.
 
 use crate::recording::bytes::{
     ALONE, CONSTANT, Content, ENERGY, FORM, FORMAT, HALF_POWER, LENGTHS, MAGIC, ODD, OUTSIDE,
@@ -10,12 +10,12 @@ use crate::{BuildError, BytesError};
 use equip_scalar::{Constant, Outside, Words, ratio};
 use std::sync::Arc;
 
-/// Fewest bytes of a constant, of a function and of an operation.
+/// The smallest number of bytes of a constant, of a function and of an operation.
 const SHORTEST: [usize; 3] = [9, 8, 5];
-/// Highest order of a derivative within H; its own derivatives are a few more.
+/// The highest order of a derivative within H. Derivatives of H add a few orders.
 const MOST_ORDER: u8 = 15;
 
-/// Makes the function of which [`Outside::to_bytes`] made the bytes.
+/// Restores a function from the bytes of [`Outside::to_bytes`].
 pub(crate) type Functions<'a> = &'a dyn Fn(&[u8]) -> Option<Arc<dyn Outside>>;
 
 const NOT_ONE_ENERGY: &str = "there are not the recordings of one energy";
@@ -39,7 +39,7 @@ pub(crate) fn read(
     }
     let mut content = head;
     let parts = content.byte()?;
-    // Where H depends on time there is no bracket, and the components are pairs.
+    // If H depends on time, there is no bracket, and the components are pairs.
     let with_time = parts & ALONE != 0 && parts & (FORM | ODD) != 0;
     let is_known = parts & ENERGY != 0 && parts < 2 * ODD && !with_time;
     if !is_known {
@@ -64,7 +64,7 @@ pub(crate) fn read(
     })
 }
 
-/// What is left to read.
+/// The remaining bytes.
 struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
@@ -91,7 +91,7 @@ impl<'a> Reader<'a> {
         Ok(head)
     }
 
-    /// A recording, with as many components as `expected`.
+    /// A trace, with the `expected` number of components if it is given.
     fn recording(
         &mut self,
         functions: Functions<'_>,
@@ -168,7 +168,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// An operation on what `recorder` has so far.
+    /// An operation on the nodes of `recorder`.
     fn node(&mut self, recorder: &Recorder) -> Result<Node, BytesError> {
         let op = self.op()?;
         let is_within = |k: u32, length: usize| (k as usize) < length;

@@ -1,8 +1,9 @@
-//! The recorder: every operation once.
+//! The recorder of a trace, in which every operation occurs once.
 //!
-//! Value numbering: an operation on the same operands as an earlier one is that earlier one (operands of +
-//! and × in either order). Simplifications are those that keep every bit of every result, infinities, NaN and
-//! the sign of zero included: x·1, x/1, x − 0, x + (−0), −(−x), x·(−1) = −x, x¹, x⁰ and x·x = x².
+//! Value numbering: an operation on the same operands as an earlier one is that earlier one (for + and × in
+//! either order of the operands). Only simplifications that preserve every result bit for bit are applied,
+//! including infinities, NaN and the sign of zero: x·1, x/1, x − 0, x + (−0), −(−x), x·(−1) = −x, x¹, x⁰ and
+//! x·x = x².
 
 use crate::recording::keyed::Keys;
 use crate::recording::op::{Node, Op, Operations};
@@ -12,10 +13,10 @@ use std::ops::Deref;
 use std::panic::Location;
 use std::sync::Arc;
 
-/// Refusals after which a loop waiting for a comparison to come true is taken to be endless.
+/// The number of refused comparisons after which a loop that waits for a comparison is considered endless.
 const PATIENCE: usize = 1 << 16;
 
-/// A constant as a key: equal bits, equal constant.
+/// A constant as a key: constants are equal if their bits are equal.
 #[derive(Debug, PartialEq, Eq, Hash)]
 enum ConstantKey {
     Double(u64),
@@ -35,22 +36,22 @@ impl From<Constant> for ConstantKey {
     }
 }
 
-/// Most operations of a recording: places in it are 32 bits, and derivatives need some too.
+/// The maximum number of operations of a trace: indices have 32 bits, and derivatives need some of them.
 const MOST_OPERATIONS: usize = 1 << 31;
 
-/// Most degrees of freedom: components of the state take a quarter of the places of a recording.
+/// The maximum number of degrees of freedom: the components of the state take a quarter of the indices.
 pub(crate) const MOST: usize = 1 << 29;
 
-/// The operations of one energy, each known by what it does.
+/// The operations of one energy, with an index of equal operations.
 #[derive(Debug)]
 pub(crate) struct Recorder {
     pub(crate) id: u32,
     pub(super) operations: Operations,
-    /// There were more operations than have a place.
+    /// Whether there were more operations than indices.
     pub(crate) overflow: bool,
-    /// A variable of another recording was met.
+    /// Whether a variable of another trace was used.
     pub(crate) foreign: bool,
-    /// The first attempt to look at a value.
+    /// The first attempt to read a value.
     pub(crate) refusal: Option<(Attempt, &'static Location<'static>)>,
     refusals: usize,
     known: HashMap<Node, u32, Keys>,
@@ -65,7 +66,7 @@ impl Deref for Recorder {
     }
 }
 
-/// The operations of one energy H, and no more: what derivatives are made of when they are first asked for.
+/// The operations of one energy H without derivatives, which are computed from them on first use.
 #[derive(Debug)]
 pub(crate) struct Recording {
     pub(crate) root: u32,
@@ -73,7 +74,7 @@ pub(crate) struct Recording {
 }
 
 impl Recording {
-    /// A recorder that has just recorded H.
+    /// A recorder in the state after tracing H.
     pub(crate) fn resume(&self) -> Recorder {
         let Operations {
             inputs,
@@ -99,7 +100,7 @@ impl Recorder {
         Recorder::of(id, inputs, Operations::default())
     }
 
-    /// With room for so many constants, functions and operations.
+    /// A recorder with capacity for these numbers of constants, functions and operations.
     pub(super) fn with_room(
         inputs: usize,
         [constants, functions, nodes]: [usize; 3],
@@ -114,7 +115,7 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// In the room of `operations`, which are none.
+    /// A recorder that uses the capacity of `operations`, which must be empty.
     fn of(id: u32, inputs: usize, mut operations: Operations) -> Self {
         let input = |i| Node {
             op: Op::Input(i),
@@ -135,7 +136,7 @@ impl Recorder {
         }
     }
 
-    /// What has been recorded up to the node of H.
+    /// The trace up to the node of H.
     pub(crate) fn finish(self, root: u32) -> Recording {
         let mut operations = self.operations;
         let length = (root as usize + 1).max(operations.inputs);
@@ -153,7 +154,7 @@ impl Recorder {
         })
     }
 
-    /// xᶜ. Half-integer powers are roots.
+    /// xᶜ. Half-integer powers are computed with roots.
     pub(crate) fn powf(&mut self, x: u32, c: Constant) -> u32 {
         if let Some(n) = c.exact_halves() {
             return self.half_power(x, n);
@@ -179,7 +180,7 @@ impl Recorder {
         }
     }
 
-    /// An operation with at most two operands; a unary one has its operand twice.
+    /// An operation with at most two operands. A unary one has its operand twice.
     pub(crate) fn apply(&mut self, op: Op, a: u32, b: u32) -> u32 {
         match op {
             Op::Add if self.is_double(a, -0.0) => b,
@@ -212,7 +213,7 @@ impl Recorder {
         }
     }
 
-    /// The derivative of these orders of a function. The same function is known by its place in memory.
+    /// The derivative of these orders of a function. Equal functions are recognised by their address.
     pub(crate) fn outside(
         &mut self,
         f: &Arc<dyn Outside>,
@@ -242,10 +243,10 @@ impl Recorder {
         self.apply(Op::Add, taken, other)
     }
 
-    /// Notes an attempt to look at a value.
+    /// Records an attempt to read a value.
     ///
     /// # Panics
-    /// When it comes so often that the energy must be in a loop which no answer ends.
+    /// If attempts are so frequent that the energy must be in an endless loop.
     pub(crate) fn refuse(&mut self, attempt: Attempt, location: &'static Location<'static>) {
         self.refusal.get_or_insert((attempt, location));
         self.refusals += 1;

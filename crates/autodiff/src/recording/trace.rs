@@ -1,4 +1,4 @@
-//! [`Trace`]: the number that records.
+//! [`Trace`]: the scalar type that traces operations.
 
 use crate::BuildError;
 use crate::recording::op::Op;
@@ -10,7 +10,7 @@ use std::panic::Location;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// The variable an energy closure is written with: see [`Num`] for what it can do.
+/// The variable of an energy closure: see [`Num`] for its functions.
 ///
 /// ```
 /// use equip_autodiff::{Hamiltonian, Var};
@@ -22,22 +22,22 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// ```
 pub type Var = Num<Trace>;
 
-/// A place in the recording of the thread; nothing but an index.
+/// An index into the trace of this thread.
 #[derive(Debug, Clone, Copy)]
 pub struct Trace {
     recording: u32,
     node: u32,
 }
 
-/// Recording number of a variable made where nothing is recorded.
+/// The trace number of a variable created outside a trace.
 const NOWHERE: u32 = 0;
 
 thread_local! {
-    /// Recordings under way; an energy may build another Hamiltonian inside, hence more than one.
+    /// The traces in progress. There may be several, since an energy may build another Hamiltonian.
     static RECORDERS: RefCell<Vec<Recorder>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Removes the recorder of a recording, also when the energy panics.
+/// Removes the recorder of a trace, even if the energy panics.
 struct Guard;
 
 impl Drop for Guard {
@@ -96,7 +96,7 @@ fn end(id: u32, result: Trace) -> Result<recorder::Recording, BuildError> {
     Ok(recorder.finish(result.node))
 }
 
-/// Appends to the innermost recording; operands of any other make it fail when it ends.
+/// Appends to the innermost trace. An operand of another trace is an error at its end.
 fn append(operands: &[Trace], f: impl FnOnce(&mut Recorder) -> u32) -> Trace {
     RECORDERS.with_borrow_mut(|stack| match stack.last_mut() {
         Some(recorder) if operands.iter().all(|x| x.recording == recorder.id) => Trace {

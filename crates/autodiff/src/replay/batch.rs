@@ -1,4 +1,4 @@
-//! [`Batch`]: points component by component, with room for their derivatives.
+//! [`Batch`]: points component by component, with their derivatives.
 
 use equip_scalar::Float;
 
@@ -40,7 +40,7 @@ impl<T: Float> Batch<'_, T> {
         }
     }
 
-    /// The same for a while.
+    /// The same batch, reborrowed.
     pub(crate) fn reborrow(&mut self) -> Batch<'_, T> {
         Batch {
             states: self.states,
@@ -50,7 +50,7 @@ impl<T: Float> Batch<'_, T> {
         }
     }
 
-    /// The same, if the numbers are doubles.
+    /// The same batch if the numbers are doubles.
     pub(crate) fn in_doubles(&mut self) -> Option<Batch<'_, f64>> {
         Batch::of_doubles(self.states, &mut *self.gradients, self.stride, self.count)
     }

@@ -1,15 +1,15 @@
-//! Replays a tape: the values of all slots from those of the inputs.
+//! Replays a tape: computes the values of all slots from the inputs.
 //!
-//! Each operation is the very function of [`Scalar`](equip_scalar::Scalar) the energy called, in its order:
-//! the result has every bit of the energy evaluated directly. Cost: one evaluation of what was recorded.
+//! Each operation calls the same function of [`Scalar`](equip_scalar::Scalar) as the energy, in the same
+//! order, so the result agrees bit for bit with a direct evaluation. Cost: one evaluation of the traced
+//! operations.
 
 use crate::recording::op::Op;
 use crate::replay::tape::{Run, Tape};
 use equip_scalar::{Constant, Float, Kernel, Piecewise};
 
-/// `result = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of
-/// a closure: closures are not always inlined, and what is not inlined into a kernel has no vector
-/// instructions.
+/// `result = $f` for all operations of a run with the operands `$x` and `$y`. It is a macro because closures
+/// are not always inlined, and code that is not inlined into a kernel has no vector instructions.
 macro_rules! each {
     ($step:ident, |$x:ident, $y:ident| $f:expr) => {{
         let (operands, before, results) = $step.split();
@@ -33,8 +33,8 @@ const fn half(n: i32) -> Constant {
     Constant::double(0.5 * n as f64)
 }
 
-/// Computes the given runs, their operands being known. `exponents` are those of the tape, in a form
-/// that is cheap to read.
+/// Computes the given runs, whose operands are known. `exponents` are those of the tape, in a form that is
+/// read quickly.
 #[rustfmt::skip]
 #[inline(always)]
 pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Constant], values: &mut [S]) {
@@ -101,8 +101,8 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
     }
 }
 
-/// A sum by compensated summation: the errors of all additions are known [Knuth, vol. 2, 4.2.2], and added at
-/// the end. Four sums side by side, so that none waits for the other.
+/// A sum by compensated summation: the errors of all additions are computed exactly (Knuth, vol. 2, 4.2.2)
+/// and added at the end. Four partial sums shorten the chain of dependent additions.
 pub(crate) struct CompensatedSum<'a, T> {
     pub(crate) tape: &'a Tape,
     pub(crate) sum: usize,
@@ -136,7 +136,7 @@ impl<T: Float> Kernel for CompensatedSum<'_, T> {
     }
 }
 
-/// Sums, and what they have lost.
+/// Sums and their errors.
 struct Compensated<T, const N: usize> {
     sum: [T; N],
     error: [T; N],
@@ -169,7 +169,7 @@ impl<T: Float, const N: usize> Compensated<T, N> {
     }
 }
 
-/// One run with what it reads and writes.
+/// One run, with its input and output.
 struct Step<'a, S> {
     tape: &'a Tape,
     run: &'a Run,
@@ -177,7 +177,7 @@ struct Step<'a, S> {
 }
 
 impl<'a, S: Piecewise> Step<'a, S> {
-    /// Slots of the operands, all that stands before the results, and the results.
+    /// The slots of the operands, all values before the results, and the results.
     #[inline(always)]
     fn split(self) -> (&'a [[u32; 2]], &'a [S], &'a mut [S]) {
         let (before, results) = self.values.split_at_mut(self.run.slots.start);

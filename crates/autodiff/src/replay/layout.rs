@@ -1,15 +1,15 @@
-//! The graph laid out for replay, as a [`Tape`].
+//! The graph in the layout of a replay, as a [`Tape`].
 //!
-//! The replay goes block after block of results (see [`Order`]). Within a block, operations are sorted by
-//! dependency level and, within a level, into runs of one operation, whose results stand side by side; within
-//! a run they are sorted by their operands. Measured: runs 2×. There are no loops of their own for operands
-//! that stand side by side, or are the same throughout: these are up to 11 % quicker and 17 % slower (bodies,
-//! chains, rotors; f64 and double-double; with SIMD and without), and take three times as long to compile.
+//! The replay processes the results block by block (see [`Order`]). Within a block, operations are sorted by
+//! dependency level. Within a level they are sorted into runs of one operation whose results are adjacent,
+//! and within a run by their operands. Runs were measured to be 2 times as fast. Separate loops for operands
+//! that are adjacent or constant are not used: they are up to 11 % faster and 17 % slower (bodies, chains,
+//! rotors; `f64` and double-double; with SIMD and without), and take three times as long to compile.
 //!
-//! Slots: constants, results of constants, what later blocks need too, then the present block, which
-//! overwrites the one before. So a replay stays in the cache however long the system is: over 8 lanes, a
-//! chain of 1024 masses takes half of the time it takes with a slot for everything. Operands always stand
-//! before results; what is kept for later blocks is copied at the end of its own.
+//! The slots hold, in this order: constants, results of constants, values that later blocks need, and the
+//! present block, which overwrites the previous one. A replay therefore stays in the cache for systems of any
+//! length: over 8 lanes, a chain of 1024 masses takes half the time that it takes with a slot for every
+//! value. Operands always precede results. Values for later blocks are copied at the end of their block.
 
 use crate::recording::graph::Graph;
 use crate::recording::op::Op;
@@ -17,10 +17,10 @@ use crate::replay::tape::{Block, Run, Segment, Tape, Transfer};
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// How many operations belong to a block.
+/// The number of operations in a block.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Blocks {
-    /// All of them: the longest runs, a slot for each.
+    /// All of them, with the longest runs and a slot for each.
     One,
     /// As many as fill about half of a first-level cache with 8 lanes each.
     InCache,
@@ -35,19 +35,19 @@ impl Blocks {
     }
 }
 
-/// When the operations of a graph are done.
+/// The order of the operations of a graph.
 struct Order {
-    /// Number of blocks.
+    /// The number of blocks.
     count: u32,
-    /// The first block that needs an operation.
+    /// The first block that needs each operation.
     blocks: Vec<u32>,
-    /// Steps from the leaves.
+    /// The dependency level: the distance from the leaves.
     levels: Vec<u32>,
-    /// Whether a later block needs the operation too.
+    /// Whether a later block needs the operation as well.
     is_kept: Vec<bool>,
-    /// Nodes of the inputs each block needs, ascending; each block reads its own.
+    /// The nodes of the inputs that each block needs, ascending. Each block reads its own inputs.
     inputs: Vec<Vec<u32>>,
-    /// Results that are known after each block.
+    /// The results that are known after each block.
     results: Vec<Vec<u32>>,
 }
 
@@ -114,7 +114,7 @@ pub(crate) fn layout(graph: &Graph, blocks: Blocks) -> Tape {
     Layout::new(graph, blocks).finish()
 }
 
-/// An operation to be placed, in the order in which it will be: by operation, then by operands.
+/// An operation to be placed, sorted by operation, then by operands.
 type Placement = (Op, u32, u32, usize);
 
 /// A tape under construction.
@@ -122,11 +122,11 @@ struct Layout<'a> {
     graph: &'a Graph,
     order: Order,
     tape: Tape,
-    /// Entry in `exponents` of each constant that is one.
+    /// The entry in `exponents` of each constant that is an exponent.
     exponents: HashMap<u32, u32>,
-    /// Slot of each node placed so far; that of an input is its slot in the present block.
+    /// The slot of each node placed so far; for an input, its slot in the present block.
     slot: Vec<u32>,
-    /// Next slot: of constants, then of the present block.
+    /// The next free slot: of constants, then of the present block.
     next: usize,
 }
 
@@ -222,8 +222,8 @@ impl<'a> Layout<'a> {
         self.tape
     }
 
-    /// Operations by block and level, those that depend on constants only or the others; and where each level
-    /// is.
+    /// The operations by block and level, either those that depend on constants only or the others, and the
+    /// range of each level.
     fn in_order(&self, constant: bool) -> (Vec<u32>, Vec<Range<usize>>) {
         let nodes = self.graph.nodes.iter().enumerate();
         let wanted = nodes.filter(|(i, node)| {
@@ -280,7 +280,7 @@ impl<'a> Layout<'a> {
             }
             op => {
                 let (mut a, mut b) = (node.a, node.b);
-                // Constants to the left, so that 2·x and x·2 share a run.
+                // Constants come first, so that 2·x and x·2 share a run.
                 if op.is_commutative() && live(a) && !live(b) {
                     (a, b) = (b, a);
                 }

@@ -1,4 +1,4 @@
-//! A graph laid out as a tape, and its replay in any number.
+//! Graphs in the layout of a tape, and their replay in any scalar type.
 
 pub(crate) mod batch;
 pub(crate) mod forward;

@@ -1,15 +1,15 @@
-//! One point after the other, for what is not computed in lanes.
+//! Points one after the other, for functions that are not computed in lanes.
 
 use equip_scalar::Float;
 
-/// Room for one state and one gradient.
+/// Workspace for one state and one gradient.
 #[derive(Debug, Clone)]
 pub(crate) struct Points<T> {
     state: Vec<T>,
     derivative: Vec<T>,
 }
 
-// Not derived: `T` itself need not have a default.
+// Not derived, since `T` need not have a default.
 impl<T> Default for Points<T> {
     fn default() -> Self {
         Points {
@@ -27,14 +27,14 @@ impl<T: Float> Points<T> {
         }
     }
 
-    /// For states and results of these lengths.
+    /// Resizes the workspace for states and results of these lengths.
     pub(crate) fn make_room(&mut self, state: usize, results: usize) {
         self.state.resize(state, T::int(0));
         self.derivative.resize(results, T::int(0));
     }
 
-    /// Calls `gradient` for each point of a batch that stands component by component. With fewer components
-    /// than a state has, the further ones are 0.
+    /// Calls `gradient` for each point of a batch that is stored component by component. If the batch has
+    /// fewer components than a state, the remaining ones are 0.
     pub(crate) fn each(
         &mut self,
         states: &[T],
@@ -68,7 +68,7 @@ pub(crate) fn check_batch(components: usize, lengths: [usize; 2], stride: usize,
 }
 
 /// # Panics
-/// If there are not the n components of states, and the entries of as many ∇²H: `rows`.
+/// If there are not n components of states, and the entries of as many ∇²H: `rows`.
 #[inline(always)]
 pub(crate) fn check_hessians(rows: [usize; 2], lengths: [usize; 2], stride: usize, count: usize) {
     assert!(

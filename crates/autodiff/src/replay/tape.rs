@@ -1,31 +1,32 @@
-//! [`Tape`]: the operations of a recording, laid out for replay.
+//! [`Tape`]: the operations of a trace in the layout of a replay.
 
 use crate::recording::op::Op;
 use equip_scalar::{Constant, Outside};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Terms from which on rounding the partial sums of a sum is worth half of what rounding single terms is.
+/// The number of terms from which the rounding of the partial sums is at least half of the rounding of the
+/// terms.
 pub(crate) const LONG: usize = 64;
 
-/// Equal operations without dependence on each other.
+/// Equal operations that do not depend on each other.
 #[derive(Debug, Clone)]
 pub(crate) struct Run {
     pub(crate) op: Op,
     /// Slots of the results.
     pub(crate) slots: Range<usize>,
-    /// First entry in [`Tape::operands`].
+    /// The first entry in [`Tape::operands`].
     pub(crate) operands: usize,
 }
 
-/// Terms of a sum with one sign.
+/// Consecutive terms of a sum with the same sign.
 #[derive(Debug, Clone)]
 pub(crate) struct Segment {
     pub(crate) minus: bool,
     pub(crate) terms: Range<usize>,
 }
 
-/// Components, of the inputs or of the results, side by side and in slots side by side.
+/// Adjacent components of the inputs or of the results, in adjacent slots.
 #[derive(Debug, Clone)]
 pub(crate) struct Transfer {
     pub(crate) components: Range<usize>,
@@ -33,7 +34,7 @@ pub(crate) struct Transfer {
 }
 
 impl Transfer {
-    /// Appends one component, to the last stretch if it follows that.
+    /// Appends one component, to the last range if it is adjacent.
     pub(super) fn append(
         transfers: &mut Vec<Transfer>,
         from: usize,
@@ -53,53 +54,53 @@ impl Transfer {
     }
 }
 
-/// A part of the replay: inputs are read, runs are done, results are given away, and what later blocks need
-/// is kept.
+/// A part of the replay: read inputs, compute runs, write results, and copy the values that later blocks
+/// need.
 #[derive(Debug, Clone)]
 pub(crate) struct Block {
-    /// Entry in [`Tape::inputs`].
+    /// The range in [`Tape::inputs`].
     pub(crate) inputs: Range<usize>,
-    /// Entry in [`Tape::runs`].
+    /// The range in [`Tape::runs`].
     pub(crate) runs: Range<usize>,
-    /// Entry in [`Tape::results`].
+    /// The range in [`Tape::results`].
     pub(crate) results: Range<usize>,
-    /// Entry in [`Tape::copies`].
+    /// The range in [`Tape::copies`].
     pub(crate) copies: Range<usize>,
 }
 
-/// A recorded energy, in no particular float type.
+/// A traced energy, independent of the float type.
 #[derive(Debug)]
 pub(crate) struct Tape {
     pub(crate) constants: Vec<Constant>,
-    /// Constants used as exponents, by the index [`Op::Powf`] and [`Op::PowfDerivative`] have after layout.
+    /// The constants used as exponents, by the index in [`Op::Powf`] and [`Op::PowfDerivative`] after layout.
     pub(crate) exponents: Vec<Constant>,
     pub(crate) functions: Vec<Arc<dyn Outside>>,
     pub(crate) slots: usize,
-    /// Runs of what depends on constants only.
+    /// The runs of operations that depend on constants only.
     pub(crate) constant_runs: Vec<Run>,
     pub(crate) runs: Vec<Run>,
     pub(crate) blocks: Vec<Block>,
-    /// Slots of the operands of all runs.
+    /// The slots of the operands of all runs.
     pub(crate) operands: Vec<[u32; 2]>,
-    /// Slots of the terms of sums.
+    /// The slots of the terms of sums.
     pub(crate) terms: Vec<u32>,
     pub(crate) segments: Vec<Segment>,
-    /// Entry of each sum in `segments`.
+    /// The range of each sum in `segments`.
     pub(crate) sums: Vec<Range<usize>>,
-    /// Where the inputs go, in the order of the blocks.
+    /// The slots of the inputs, in the order of the blocks.
     pub(crate) inputs: Vec<Transfer>,
-    /// Where the results are, in the order of the blocks.
+    /// The slots of the results, in the order of the blocks.
     pub(crate) results: Vec<Transfer>,
-    /// From where to where what later blocks need is copied.
+    /// Source and target slots of the values that later blocks need.
     pub(crate) copies: Vec<[usize; 2]>,
-    /// Number of results.
+    /// The number of results.
     pub(crate) components: usize,
-    /// Whether a sum has many terms.
+    /// Whether there is a sum with many terms.
     pub(crate) has_long_sums: bool,
 }
 
 impl Tape {
-    /// The sum that a run is, if it has many terms.
+    /// The sum of a run, if it has many terms.
     pub(crate) fn long_sum(&self, run: &Run) -> Option<usize> {
         match run.op {
             Op::Sum(k) => Some(k as usize).filter(|&k| self.terms_of(k) >= LONG),
@@ -112,7 +113,7 @@ impl Tape {
         segments.map(|segment| segment.terms.len()).sum()
     }
 
-    /// Arithmetic operations and function calls of one replay.
+    /// The number of arithmetic operations and function calls of one replay.
     pub(crate) fn operations(&self) -> usize {
         let own = |run: &Run| match run.op {
             Op::Sum(k) => self.terms_of(k as usize).saturating_sub(1),

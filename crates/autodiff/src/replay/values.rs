@@ -1,4 +1,4 @@
-//! [`Replay`]: the values of all slots of a tape, in one kind of number.
+//! [`Replay`]: the values of all slots of a tape, in one scalar type.
 
 use crate::derivative::rounded::Rounded;
 use crate::recording::graph::Graph;
@@ -8,12 +8,13 @@ use crate::replay::layout::{Blocks, layout};
 use crate::replay::tape::{Block, Run, Tape, Transfer};
 use equip_scalar::{Constant, FirstOrder, Float, InstructionSet, Pack, Piecewise};
 
-/// Workspace for replaying one tape. Constants, and what depends on them alone, are computed when it is made.
+/// Workspace for replaying one tape. Constants, and values that depend on constants only, are computed on
+/// construction.
 #[derive(Debug, Clone)]
 pub(crate) struct Replay<S> {
     pub(crate) values: Vec<S>,
     pub(crate) exponents: Vec<Constant>,
-    /// Results of the last replay; not used in lanes, where they are written to their places.
+    /// The results of the last replay. Unused in lanes, where results are written to their target directly.
     pub(crate) results: Vec<S>,
 }
 
@@ -35,7 +36,7 @@ impl<T: Float> Replay<T> {
         }
     }
 
-    /// The results for the given inputs, long sums compensated.
+    /// The results for these inputs, with long sums compensated.
     pub(crate) fn run_compensated(
         &mut self,
         set: InstructionSet,
@@ -61,7 +62,7 @@ impl<T: Float> Replay<T> {
         &self.results
     }
 
-    /// Replays at each point of a batch that stands component by component.
+    /// Replays at each point of a batch that is stored component by component.
     pub(crate) fn each(&mut self, tape: &Tape, batch: Batch<T>) {
         let stride = batch.stride;
         for i in 0..batch.count {
@@ -105,7 +106,7 @@ impl<S> Replay<S> {
 }
 
 impl<S: Piecewise> Replay<S> {
-    /// The results for the given inputs.
+    /// The results for these inputs.
     pub(crate) fn run(&mut self, tape: &Tape, input: impl Fn(usize) -> S) -> &[S] {
         for block in &tape.blocks {
             self.read(tape, block, &input);
@@ -116,7 +117,7 @@ impl<S: Piecewise> Replay<S> {
         &self.results
     }
 
-    /// What later blocks need.
+    /// Copies the values that later blocks need.
     #[inline(always)]
     pub(crate) fn keep(&mut self, tape: &Tape, block: &Block) {
         for &[from, to] in &tape.copies[block.copies.clone()] {
@@ -141,14 +142,14 @@ impl<S: Piecewise> Replay<S> {
         }
     }
 
-    // Once for each kind of number, not for each kind of input.
+    // Compiled once for each scalar type, not for each type of input.
     #[inline(never)]
     fn forward(&mut self, tape: &Tape, runs: &[Run]) {
         forward(tape, runs, &self.exponents, &mut self.values);
     }
 }
 
-/// The number as the constant that is cheapest to read.
+/// The number in the form of a constant that is read fastest.
 fn resolved<T: Float>(x: T) -> Constant {
     let parts = x.expansion();
     match parts[1..].iter().all(|&part| part == 0.0) {
@@ -157,7 +158,7 @@ fn resolved<T: Float>(x: T) -> Constant {
     }
 }
 
-/// The nodes that depend on constants only, and their numbers.
+/// The nodes that depend on constants only, and their values.
 pub(crate) fn constants(graph: &Graph) -> Vec<(u32, f64)> {
     let (constants, nodes) = graph.constants_only();
     let tape = layout(&constants, Blocks::One);

@@ -1,4 +1,4 @@
-//! [`Evaluator`]: what an integrator needs of an energy.
+//! [`Evaluator`]: the evaluations of an energy that an integrator needs.
 
 use super::traced_evaluator::{TracedEvaluator, ready};
 use crate::external::energy::ExternalEvaluator;
@@ -10,15 +10,15 @@ use crate::structure::bracket::Bracket;
 use crate::{Kinetic, Pattern, WrongGradient};
 use equip_scalar::{Float, InstructionSet};
 
-/// H, ∇H and ∇²H at states y = (q, p) of length n = 2m, in the float type `T`. Workspace is allocated at the
-/// first call of a kind, and at no other.
+/// H, ∇H and ∇²H at states y = (q, p) of length n = 2m, in the float type `T`. The first call of each kind
+/// allocates workspace; later calls do not allocate.
 ///
 /// Slices of another length are a programming error and panic.
 ///
-/// A step needs w of y' = Jw. That is ∇H, but for a system with a bracket of its own, of which it is
-/// w = JᵀB∇H ([`Hamiltonian::with_bracket`]):
+/// A step needs the vector w of y' = Jw. It is ∇H, or w = JᵀB∇H for a system with a bracket
+/// ([`Hamiltonian::with_bracket`]):
 ///
-/// | of H, whatever the bracket | of w |
+/// | of H, for any bracket | of w |
 /// |---|---|
 /// | [`value`](Self::value), [`compensated_value`](Self::compensated_value), [`gradient`](Self::gradient), [`gradients`](Self::gradients), [`gradient_with_bound`](Self::gradient_with_bound), [`check_gradient`](Self::check_gradient) | [`flow_gradient`](Self::flow_gradient), [`vector_field`](Self::vector_field), [`jacobian_vector`](Self::jacobian_vector), [`gradients_by_component`](Self::gradients_by_component), [`gradient_rounding`](Self::gradient_rounding), [`hessian`](Self::hessian), [`hessian_vector`](Self::hessian_vector), [`hessians_by_component`](Self::hessians_by_component) |
 #[derive(Debug, Clone)]
@@ -27,12 +27,12 @@ pub struct Evaluator<T: Float> {
     pub(super) bracket: Option<Box<Turned<T>>>,
 }
 
-/// A bracket with its workspace, made at the first call of a kind.
+/// A bracket with its workspace, which is allocated at the first call of each kind.
 #[derive(Debug, Clone)]
 pub(super) struct Turned<T: Float> {
     pub(super) of: Bracket,
     pub(super) form: TracedEvaluator<T>,
-    /// That of ∇²H.
+    /// The pattern of ∇²H.
     pub(super) pattern: Pattern,
     /// ∇H and the entries of ∇²H.
     pub(super) gradients: Vec<T>,
@@ -45,11 +45,11 @@ pub(super) struct Turned<T: Float> {
     pub(super) along: Vec<T>,
 }
 
-/// Where H comes from, with the workspace of one float type.
+/// The source of H, with the workspace of one float type.
 #[derive(Debug, Clone)]
 pub(super) enum Source<T: Float> {
     Traced(Box<TracedEvaluator<T>>),
-    /// With a gradient of the user's own.
+    /// With a user-supplied gradient.
     WithGradient(Box<TracedEvaluator<T>>, Box<Given<T>>),
     External(Box<ExternalEvaluator<T>>),
 }
@@ -57,7 +57,7 @@ pub(super) enum Source<T: Float> {
 use Source::{External, Traced, WithGradient};
 
 impl Hamiltonian {
-    /// An evaluator in float type `T`: constants are read in it once, workspace is allocated once.
+    /// An evaluator in float type `T`. Constants are converted and workspace is allocated once.
     pub fn evaluator<T: Float>(&self) -> Evaluator<T> {
         Evaluator::new(self)
     }
@@ -97,8 +97,8 @@ impl<T: Float> Evaluator<T> {
         self.bracket.is_none()
     }
 
-    /// The checksum of the formula of H, and of the bracket, with their constants and tables; `None` where H
-    /// is external. Closures within H count as one. Linear in the operations of H.
+    /// The checksum of the formulas of H and of the bracket, with their constants and tables; `None` if H is
+    /// external. All closures within H have the same checksum. Linear in the operations of H.
     pub fn formula_checksum(&self) -> Option<u64> {
         let form = self.bracket.as_ref().map(|of| &of.form.shared);
         let of_bracket = form.map(|form| form.formula_checksum());
@@ -111,7 +111,7 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// Makes now what the first evaluation would make, by one of `n` zeros. Code of the user's own is not
+    /// Performs the initialisation of the first evaluation now, at a state of `n` zeros. User code is not
     /// called.
     #[doc(hidden)]
     pub fn make_ready(&mut self, n: usize) {
@@ -131,9 +131,9 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// H(y), the terms of long sums in it added by compensated summation: what is left of H1 − H0 is not
-    /// hidden by rounding the partial sums of n terms, which is worth some √n ε of H. Without long sums it
-    /// has every bit of [`value`](Self::value).
+    /// H(y), with compensated summation of the terms of long sums. The rounding of the partial sums of n
+    /// terms, about √n ε of H, then does not hide the difference H1 − H0. Without long sums the result agrees
+    /// bit for bit with [`value`](Self::value).
     pub fn compensated_value(&mut self, y: &[T]) -> T {
         match &mut self.source {
             Traced(traced) | WithGradient(traced, _) => (ready::<T>().compensated_value)(traced, y),
@@ -141,30 +141,30 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// ∇H(y) into `gradient` (length n); returns H(y).
+    /// Writes ∇H(y) to `gradient` (length n), and returns H(y).
     pub fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T {
         self.gradients(y, gradient, y.len());
         self.value(y)
     }
 
-    /// The same; returns H(y) as [`compensated_value`](Self::compensated_value) does.
+    /// The same, but returns H(y) like [`compensated_value`](Self::compensated_value).
     pub fn gradient_with_compensated_value(&mut self, y: &[T], gradient: &mut [T]) -> T {
         self.gradients(y, gradient, y.len());
         self.compensated_value(y)
     }
 
-    /// ∇H(y) into `gradient` (length n); returns H(y) as [`compensated_value`](Self::compensated_value) does,
-    /// and the running error bound of it, without its factor ε:
+    /// Writes ∇H(y) to `gradient` (length n). Returns H(y) like
+    /// [`compensated_value`](Self::compensated_value), and its running error bound without the factor ε:
     ///
     /// Σ_k |v_k ∂H/∂v_k| + Σ_i |y_i ∂H/∂y_i|
     ///
     /// in the units of H, over all operations v_k of H (H is the last of them) and all components of the
-    /// state. ε times it is above what rounding makes of H, also where large parts of H cancel. An integer
-    /// power counts once for every two of its multiplications. Partial sums of sums that are compensated are
-    /// not rounded and do not count, but their terms and results do. Constants do not count: they are
-    /// rounded alike at every state. Of an external energy the one operation is its value.
+    /// state. ε times this bound exceeds the rounding error of H even if large parts of H cancel. An integer
+    /// power counts once for every two of its multiplications. Partial sums of compensated sums are not
+    /// rounded and do not count, but their terms and results do. Constants have the same rounding at every
+    /// state and do not count. For an external energy the only operation is its value.
     ///
-    /// Costs at most about two gradients more.
+    /// Costs at most about two additional gradients.
     pub fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
         match &mut self.source {
             Traced(traced) => (ready::<T>().gradient_with_bound)(traced, y, gradient),
@@ -177,7 +177,7 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// ∇H at several states, which stand one after the other in `states` (length s·n), as do the results.
+    /// ∇H at several states, concatenated in `states` (length s·n). The results are concatenated as well.
     pub fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         match &mut self.source {
             Traced(traced) => (ready::<T>().gradients)(traced, states, gradients, n),
@@ -186,8 +186,8 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// ∇U at `count` positions of a separable H = T(p) + U(q), in the same layout with m components instead
-    /// of n. Has every bit of ∂H/∂q.
+    /// ∇U at `count` positions of a separable H = T(p) + U(q), in the layout of `gradients_by_component` with
+    /// m components instead of n. The results agree bit for bit with ∂H/∂q.
     ///
     /// # Panics
     /// If H is not separable.
@@ -213,8 +213,8 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// Runs `task` with ∇H in it as one kernel. `None` if that is not done: of an energy without machine
-    /// code, or too long, or with a gradient or a bracket of the user's own.
+    /// Runs `task`, which contains ∇H, as one kernel. `None` if the energy has no machine code, is too large,
+    /// or has a user-supplied gradient or a bracket.
     #[doc(hidden)]
     #[inline]
     pub fn fuse_gradients<const N: usize, F: Fused<N>>(
@@ -229,7 +229,7 @@ impl<T: Float> Evaluator<T> {
         fuse!(traced.set, n, derivatives, task, [2 4])
     }
 
-    /// The same with ∇U, of a separable H only.
+    /// The same with ∇U, for a separable H only.
     #[doc(hidden)]
     #[inline]
     pub fn fuse_forces<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
@@ -242,8 +242,8 @@ impl<T: Float> Evaluator<T> {
         fuse!(traced.set, m, derivatives, task, [1 2 3 4])
     }
 
-    /// Compares a gradient of the user's own with H at `y` (length n): by automatic differentiation where H
-    /// is a trace, else by differences of H. Of a gradient derived from H there is nothing to compare.
+    /// Compares a user-supplied gradient with H at `y` (length n): with automatic differentiation if H is
+    /// traced, otherwise with differences of H. A gradient derived from H is not compared.
     ///
     /// # Errors
     /// The first component that differs.
@@ -257,8 +257,8 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// T(p) of H = T(p) + U(q), if H is separable, T quadratic and the bracket canonical. Evaluates ∇²T once;
-    /// allocates.
+    /// T(p) of H = T(p) + U(q), if H is separable, T is quadratic and the bracket is canonical. Evaluates ∇²T
+    /// once. Allocates.
     pub fn kinetic(&mut self) -> Option<Kinetic<T>> {
         if self.bracket.is_some() {
             return None;
@@ -269,7 +269,7 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// Chooses the instructions, [`InstructionSet::best`] to begin with. The results are the same.
+    /// Sets the instruction set, initially [`InstructionSet::best`]. The results do not depend on it.
     #[doc(hidden)]
     pub fn set_instruction_set(&mut self, set: InstructionSet) {
         if let Traced(traced) | WithGradient(traced, _) = &mut self.source {

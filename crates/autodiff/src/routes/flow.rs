@@ -1,8 +1,8 @@
-//! w and w' of y' = Jw, which a step asks for: ∇H and ∇²H, turned by the bracket if the system has one
+//! w and w' of y' = Jw, which a step needs: ∇H and ∇²H, multiplied by the bracket if the system has one
 //! ([`crate::structure::bracket`]).
 //!
-//! Cost of a bracket: a gradient of its bilinear form for each of H; for w' the Hessian of the form, and the
-//! products of B with ∇²H that can differ from zero.
+//! Cost of a bracket: a gradient of its bilinear form for each gradient of H; for w' the Hessian of the form,
+//! and the products of B with ∇²H that can be non-zero.
 
 use super::evaluator::{Evaluator, Source, Turned};
 use super::traced_evaluator::ready;
@@ -12,9 +12,9 @@ use equip_scalar::Float;
 use Source::{External, Traced, WithGradient};
 
 impl<T: Float> Evaluator<T> {
-    /// How far each component of ∇H(y) may be off by rounding of `y` to its last place and of all operations,
-    /// to first order, into `off` (length n): the running error bound of the trace of ∇H. Zero of an
-    /// external energy, and of a system with a bracket, of which it is not known.
+    /// Writes the running error bound of the trace of ∇H at `y` to `off` (length n): a bound for the effect
+    /// of rounding `y` in its last place and of rounding all operations, to first order. Zero for an external
+    /// energy and for a system with a bracket, for which the bound is not known.
     pub fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
         if self.bracket.is_some() {
             assert_eq!(y.len(), off.len(), "one for each component");
@@ -28,7 +28,7 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// w of y' = Jw at `y`, into `w` (length n): ∇H, or JᵀB∇H.
+    /// Writes w of y' = Jw at `y` to `w` (length n): ∇H, or JᵀB∇H.
     pub fn flow_gradient(&mut self, y: &[T], w: &mut [T]) {
         self.gradients(y, w, y.len());
         if let Some(turned) = &mut self.bracket {
@@ -36,22 +36,22 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// y' = Jw at `y`, into `f` (length n).
+    /// Writes y' = Jw at `y` to `f` (length n).
     pub fn vector_field(&mut self, y: &[T], f: &mut [T]) {
         self.flow_gradient(y, f);
         turn(f);
     }
 
-    /// (∂y'/∂y) v at `y`, into `product` (length n): the right-hand side of the variational equation.
+    /// Writes (∂y'/∂y) v at `y`, the right-hand side of the variational equation, to `product` (length n).
     pub fn jacobian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         self.hessian_vector(y, v, product);
         turn(product);
     }
 
-    /// w at `count` points at once, component by component: component c of point i stands at `c·stride + i`
-    /// in `states` (length n·stride), as in `gradients`. Places between `count` and `stride` must hold finite
-    /// numbers; what is in the result there is unspecified. Each w has every bit of the one
-    /// [`flow_gradient`](Self::flow_gradient) gives.
+    /// w at `count` points at once, component by component: component c of point i is at `c·stride + i` in
+    /// `states` (length n·stride) and in `gradients`. Entries between `count` and `stride` must be finite;
+    /// their results are unspecified. Each w agrees bit for bit with that of
+    /// [`flow_gradient`](Self::flow_gradient).
     pub fn gradients_by_component(
         &mut self,
         states: &[T],
@@ -73,8 +73,8 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// ∇²H(y)·v into `product` (length n), or w'(y)·v; of an external energy ∇²H by differences of its
-    /// gradient.
+    /// Writes ∇²H(y)·v, or w'(y)·v, to `product` (length n). For an external energy ∇²H is computed by
+    /// differences of its gradient.
     pub fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         match &mut self.source {
             Traced(traced) | WithGradient(traced, _) => {
@@ -90,8 +90,8 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// The entries of ∇²H(y), or w'(y), in the order of the pattern `structure().hessian`; of an external
-    /// energy by differences of its gradient.
+    /// The entries of ∇²H(y), or w'(y), in the order of the pattern `structure().hessian`. For an external
+    /// energy they are computed by differences of its gradient.
     pub fn hessian(&mut self, y: &[T], entries: &mut [T]) {
         let Some(mut turned) = self.bracket.take() else {
             return self.energy_hessian(y, entries);
@@ -112,8 +112,8 @@ impl<T: Float> Evaluator<T> {
     }
 
     /// ∇²H, or w', at `count` points at once, component by component as in
-    /// [`gradients_by_component`](Self::gradients_by_component): entry e of the pattern at point i into place
-    /// `e·stride + i` of `entries`.
+    /// [`gradients_by_component`](Self::gradients_by_component): entry e of the pattern at point i is at
+    /// `e·stride + i` in `entries`.
     pub fn hessians_by_component(
         &mut self,
         states: &[T],
@@ -128,7 +128,7 @@ impl<T: Float> Evaluator<T> {
         turned
             .hessians
             .resize(turned.pattern.len() * stride, T::int(0));
-        // Without the bracket they are those of H.
+        // With the bracket taken out, these are gradients of H.
         self.gradients_by_component(states, &mut turned.gradients, stride, count);
         self.energy_hessians(states, &mut turned.hessians, (stride, count));
         turned.jacobians(states, entries, (stride, count));
@@ -151,7 +151,7 @@ impl<T: Float> Evaluator<T> {
 }
 
 impl<T: Float> Turned<T> {
-    /// Sets the points to (y, g, 0) of `count` states. What stands between is finite.
+    /// Sets the points to (y, g, 0) for `count` states. The padding is finite.
     fn set(&mut self, (states, gradients): (&[T], &[T]), stride: usize, count: usize) {
         let len = states.len();
         self.points.resize(3 * len, T::int(0));
@@ -166,7 +166,7 @@ impl<T: Float> Turned<T> {
         }
     }
 
-    /// w from ∇H at `y`, in place.
+    /// Replaces ∇H at `y` by w.
     fn turn_one(&mut self, y: &[T], gradient: &mut [T]) {
         self.set((y, gradient), 1, 1);
         self.of_form.resize(self.points.len(), T::int(0));
@@ -175,7 +175,7 @@ impl<T: Float> Turned<T> {
         self.take(gradient, 1);
     }
 
-    /// w from ∇H at `count` states, component by component, in place.
+    /// Replaces ∇H at `count` states by w, component by component.
     fn turn(&mut self, states: &[T], gradients: &mut [T], stride: usize, count: usize) {
         self.set((states, gradients), stride, count);
         self.of_form.resize(self.points.len(), T::int(0));
@@ -184,7 +184,7 @@ impl<T: Float> Turned<T> {
         self.take(gradients, stride);
     }
 
-    /// w from the gradient of the form by λ.
+    /// Computes w from the gradient of the form by λ.
     fn take(&self, w: &mut [T], stride: usize) {
         let n = w.len() / stride;
         for (c, w) in w.chunks_exact_mut(stride).enumerate() {
@@ -196,7 +196,7 @@ impl<T: Float> Turned<T> {
         }
     }
 
-    /// The entries of w' from ∇H and the entries of ∇²H at `count` states, component by component.
+    /// Computes the entries of w' from ∇H and the entries of ∇²H at `count` states, component by component.
     fn jacobians(&mut self, states: &[T], entries: &mut [T], (stride, count): (usize, usize)) {
         let gradients = std::mem::take(&mut self.gradients);
         self.set((states, &gradients), stride, count);
@@ -229,7 +229,7 @@ impl<T: Float> Turned<T> {
         }
     }
 
-    /// w'·v into `product`, which has ∇²H·v, at `y`, from ∇H there.
+    /// Replaces ∇²H·v in `product` by w'·v at `y`, from ∇H at `y`.
     fn turn_product(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         let gradients = std::mem::take(&mut self.gradients);
         self.set((y, &gradients), 1, 1);

@@ -1,9 +1,9 @@
-//! [`Many`]: a recording at many points at once.
+//! [`Many`]: a trace evaluated at many points at once.
 //!
-//! Points are taken in groups of 8, doubles in groups of 4 where there is no room for more, and of 16 where
-//! there is and the tape is short: what it takes to find an operation is shared by more of them, and of a
-//! long tape the values would take twice the cache. Memory: as many numbers a slot of the tape as points, for
-//! each width that is used.
+//! Points are processed in groups of 8. Doubles are processed in groups of 4 if the rows are short, and in
+//! groups of 16 if the rows have that length and the tape is short: more points then share the cost of
+//! decoding an operation, whereas the values of a long tape would need twice the cache. Memory: one number
+//! for each slot of the tape and each point of a group, for each width in use.
 
 use crate::native::compiled::Runs;
 use crate::native::fused::Called;
@@ -14,8 +14,8 @@ use crate::replay::values::{Replay, constants};
 use crate::routes::results::Results;
 use equip_scalar::{Float, InstructionSet, Kernel, Lanes, Pack};
 
-/// By machine code; where there is none by the tape over lanes, of floats without lanes point after point.
-/// There is room only for what is done.
+/// Uses machine code; without it the tape over lanes, or point by point for types without lanes. Workspace is
+/// allocated only for what is used.
 #[derive(Debug, Clone)]
 pub(crate) struct Many<T: Float> {
     runs: Option<Runs>,
@@ -51,7 +51,7 @@ impl<T: Float> Many<T> {
         }
     }
 
-    /// Machine code for rows of `stride` numbers that can be called from anywhere.
+    /// Machine code for rows of `stride` numbers that needs no scratch memory.
     #[inline]
     pub(crate) fn called(
         &mut self,
@@ -63,15 +63,15 @@ impl<T: Float> Many<T> {
     }
 }
 
-/// Slots of the longest tape that is replayed at 16 points at once: 64 KiB.
+/// The largest number of slots of a tape that is replayed at 16 points at once: 64 KiB.
 const SHORT: usize = 512;
 
-/// Workspace of one tape in all widths.
+/// The workspace of one tape for all widths.
 #[derive(Debug, Clone)]
 struct InLanes<T: Float> {
     four: Option<Replay<T::Pack<4>>>,
     eight: Option<Replay<T::Pack<8>>>,
-    /// Of a short tape, for doubles.
+    /// For doubles, with a short tape.
     sixteen: Option<Replay<Lanes<16>>>,
 }
 
@@ -110,7 +110,7 @@ impl<T: Float> InLanes<T> {
     }
 }
 
-/// A tape and the points to replay it at.
+/// A tape, and the points at which it is replayed.
 struct Group<'a, 'b, T: Float, const L: usize> {
     tape: &'a Tape,
     replay: &'a mut Replay<T::Pack<L>>,

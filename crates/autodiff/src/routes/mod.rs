@@ -1,4 +1,4 @@
-//! What is evaluated of an energy.
+//! The evaluation of energies.
 
 pub(crate) mod evaluator;
 pub(crate) mod flow;

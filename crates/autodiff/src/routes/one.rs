@@ -1,4 +1,4 @@
-//! [`One`]: a recording at a single point.
+//! [`One`]: a trace evaluated at a single point.
 
 use crate::native::compiled::Runs;
 use crate::replay::batch::Batch;
@@ -6,7 +6,7 @@ use crate::replay::values::{Replay, constants};
 use crate::routes::results::Results;
 use equip_scalar::{Float, InstructionSet};
 
-/// By machine code, or by the tape where there is none. There is room only for what is done.
+/// Uses machine code, or the tape without it. Workspace is allocated only for what is used.
 #[derive(Debug, Clone)]
 pub(crate) struct One<T> {
     runs: Option<Runs>,
@@ -31,7 +31,7 @@ impl<T: Float> One<T> {
         }
     }
 
-    /// The results at y, long sums compensated.
+    /// The results at y, with long sums compensated.
     pub(crate) fn run_compensated(
         &mut self,
         set: InstructionSet,

@@ -1,5 +1,4 @@
-//! [`Results`]: the results of a recording in every form they are evaluated in, each made when it is first
-//! asked for.
+//! [`Results`]: the results of a trace in every form in which they are evaluated, each computed on first use.
 
 use crate::native::compiled::Compiled;
 use crate::native::straight::straight;
@@ -9,7 +8,7 @@ use crate::replay::layout::{Blocks, layout};
 use crate::replay::tape::Tape;
 use std::sync::{Arc, OnceLock};
 
-/// A graph, and what it is evaluated by. Shared by the evaluators of all float types.
+/// A graph, and its tapes and machine code. Shared by the evaluators of all float types.
 #[derive(Debug)]
 pub(crate) struct Results {
     pub(crate) graph: Arc<Graph>,

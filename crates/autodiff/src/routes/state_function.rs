@@ -1,10 +1,10 @@
-//! [`StateFunction`]: a recorded function of time and state, evaluated at (t, q, p).
+//! [`StateFunction`]: a traced function of time and state, evaluated at (t, q, p).
 
 use crate::{Evaluator, Hamiltonian};
 use equip_scalar::Float;
 
-/// A recorded function (t, q, p) ↦ g in one float type, made by [`Hamiltonian::function`]. Its constants are
-/// as exact as those of an energy.
+/// A traced function (t, q, p) ↦ g in one float type, from [`Hamiltonian::function`]. Its constants are as
+/// accurate as those of an energy.
 #[derive(Debug)]
 pub struct StateFunction<T: Float> {
     evaluator: Evaluator<T>,
@@ -14,8 +14,8 @@ pub struct StateFunction<T: Float> {
 }
 
 impl Hamiltonian {
-    /// H as a function (t, q, p) ↦ H in one float type, for observers; t does not matter where H does not
-    /// depend on it.
+    /// H as a function (t, q, p) ↦ H in one float type, for observers. t is ignored if H does not depend on
+    /// time.
     pub fn function<T: Float>(&self) -> StateFunction<T> {
         StateFunction::new(self)
     }
@@ -31,7 +31,7 @@ impl<T: Float> StateFunction<T> {
         }
     }
 
-    /// Degrees of freedom m, time not counted.
+    /// The number m of degrees of freedom, without time.
     pub fn degrees_of_freedom(&self) -> usize {
         self.y.len() / 2 - usize::from(self.has_time)
     }
@@ -39,22 +39,22 @@ impl<T: Float> StateFunction<T> {
     /// g at time `t`, positions `q` and momenta `p`, each of length m.
     ///
     /// # Panics
-    /// When `q` or `p` has another length.
+    /// If `q` or `p` has another length.
     pub fn value(&mut self, t: T, q: &[T], p: &[T]) -> T {
         self.place(t, q, p);
         self.evaluator.value(&self.y)
     }
 
-    /// The same, long sums in it [compensated](Evaluator::compensated_value).
+    /// The same, with long sums [compensated](Evaluator::compensated_value).
     ///
     /// # Panics
-    /// When `q` or `p` has another length.
+    /// If `q` or `p` has another length.
     pub fn compensated_value(&mut self, t: T, q: &[T], p: &[T]) -> T {
         self.place(t, q, p);
         self.evaluator.compensated_value(&self.y)
     }
 
-    /// What evaluates it, and the point (t, `q`, `p`) as that takes it.
+    /// The evaluator, and the point (t, `q`, `p`) in the form that it takes.
     #[doc(hidden)]
     pub fn evaluator_at(&mut self, t: T, q: &[T], p: &[T]) -> (&mut Evaluator<T>, &[T]) {
         self.place(t, q, p);

@@ -1,8 +1,8 @@
-//! [`Switches`]: where H or a derivative of it jumps, as functions of the state.
+//! [`Switches`]: the discontinuities of H or of its derivatives, as functions of the state.
 //!
-//! Every piecewise operation of a recording has a function g(q, p) whose sign says which piece is taken. They
-//! are recorded behind H, all in one recording, so that what they share is computed once. So are the
-//! arguments of functions that have a domain ([`Domains`]).
+//! Every piecewise operation of a trace has a switching function g(q, p) whose sign selects the piece. All
+//! switching functions are appended to one trace of H, so that common subexpressions are computed once. The
+//! arguments of functions with a domain are traced in the same way ([`Domains`]).
 
 use super::one::One;
 use super::results::Results;
@@ -14,7 +14,7 @@ use equip_scalar::{Float, InstructionSet, Outside};
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// What a switch belongs to.
+/// The kind of operation to which a switch belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SwitchKind {
@@ -24,20 +24,20 @@ pub enum SwitchKind {
     Sign,
     /// The smaller or larger of x and y: g = x − y. The first derivative jumps.
     Extremum,
-    /// A selection: g is what it is selected by. The value or any derivative may jump.
+    /// A selection: g is its test. The value or any derivative may jump.
     Selection,
-    /// A rounding to integers: g changes its sign where the result changes. The value jumps.
+    /// Rounding to integers: g changes sign where the result changes. The value jumps.
     Step,
-    /// Knots of a table: g changes its sign at each inner knot. The third derivative jumps.
+    /// Knots of a table: g changes sign at each inner knot. The third derivative jumps.
     Knots,
 }
 
-/// The functions g(q, p) at whose roots H or a derivative of it jumps; made by
+/// The switching functions g(q, p) at whose roots H or a derivative of H jumps, from
 /// [`Hamiltonian::switches`](crate::Hamiltonian::switches).
 ///
-/// One for each argument of |x|, min, max, clamp, signum, select and tables in H, if it depends on the state,
-/// equal ones once, in the order of H. Within one sign of all of them H is smooth. Of closures nothing is
-/// known.
+/// There is one for each argument of |x|, min, max, clamp, signum, select and tables in H that depends on the
+/// state. Equal ones occur once, in the order of H. As long as none changes sign, H is smooth.
+/// Discontinuities of closures are not detected.
 ///
 /// ```
 /// use equip_autodiff::{Hamiltonian, SwitchKind};
@@ -54,13 +54,13 @@ pub struct Switches {
     kinds: Vec<SwitchKind>,
     bends: Vec<bool>,
     domains: Domains,
-    /// None without switches.
+    /// `None` if there are no switches.
     results: Option<Arc<Results>>,
 }
 
 impl Hamiltonian {
-    /// Where H or a derivative of it jumps, as far as that is known. Computed anew at each call, in time and
-    /// memory in proportion to the operations of H.
+    /// The switches of H, as far as they are known. They are computed at each call, in time and memory
+    /// proportional to the operations of H.
     pub fn switches(&self) -> Switches {
         match &self.energy {
             Energy::Traced(traced) => Switches::of(traced.recording()),
@@ -70,7 +70,7 @@ impl Hamiltonian {
 }
 
 impl Switches {
-    /// Of an H of which nothing is recorded, or that is smooth.
+    /// For an H without a trace, or a smooth H.
     pub fn none() -> Self {
         Switches {
             kinds: Vec::new(),
@@ -92,28 +92,28 @@ impl Switches {
         }
     }
 
-    /// How many there are.
+    /// The number of switches.
     pub fn len(&self) -> usize {
         self.kinds.len()
     }
 
-    /// Whether H is smooth as far as is known.
+    /// Whether H is smooth, as far as is known.
     pub fn is_empty(&self) -> bool {
         self.kinds.is_empty()
     }
 
-    /// What each of them belongs to.
+    /// The kind of each switch.
     pub fn kinds(&self) -> &[SwitchKind] {
         &self.kinds
     }
 
-    /// Whether the function of each of them bends or jumps itself, at roots of others, as that of the maximum
-    /// in max(1 − |x|, 0) does at x = 0.
+    /// Whether the function of each switch has discontinuities of its own, at roots of others. The function
+    /// of the maximum in max(1 − |x|, 0) has one at x = 0.
     pub fn bends(&self) -> &[bool] {
         &self.bends
     }
 
-    /// The arguments of functions of H that have a domain, as tables that do not extrapolate.
+    /// The arguments of functions of H that have a domain, such as tables that do not extrapolate.
     pub fn domains(&self) -> &Domains {
         &self.domains
     }
@@ -135,10 +135,10 @@ pub struct SwitchEvaluator<T> {
 }
 
 impl<T: Float> SwitchEvaluator<T> {
-    /// g of each switch at the state y = (q, p), into as many places. Allocates at its first call only.
+    /// Writes g of each switch at the state y = (q, p) to `g`. Allocates at its first call only.
     ///
     /// # Panics
-    /// If there are fewer or more places than switches.
+    /// If the length of `g` is not the number of switches.
     pub fn values(&mut self, y: &[T], g: &mut [T]) {
         let count = self.switches.len();
         assert_eq!(g.len(), count, "one place for each switch");
@@ -150,7 +150,7 @@ impl<T: Float> SwitchEvaluator<T> {
     }
 }
 
-/// Nodes of the functions g.
+/// The nodes of the functions g.
 #[derive(Default)]
 struct Found {
     kinds: Vec<SwitchKind>,
@@ -205,8 +205,8 @@ impl Found {
     }
 }
 
-/// Of each operation up to `root` whether it, or one that it depends on, is piecewise. Tables are smooth
-/// enough not to be.
+/// For each operation up to `root`, whether it or an operation on which it depends is piecewise. Tables count
+/// as smooth.
 fn bent(recorder: &Recorder, root: u32) -> Vec<bool> {
     let nodes = &recorder.nodes[..(root as usize + 1).max(recorder.inputs)];
     let mut bent = vec![false; nodes.len()];
@@ -218,7 +218,7 @@ fn bent(recorder: &Recorder, root: u32) -> Vec<bool> {
     bent
 }
 
-/// Operations that depend on the state and that H depends on, in their order.
+/// The operations that depend on the state and on which H depends, in order.
 fn live(recorder: &Recorder, root: u32) -> Vec<u32> {
     let nodes = &recorder.nodes[..(root as usize + 1).max(recorder.inputs)];
     let operands = |&Node { op, a, b }: &Node| [a, b].into_iter().take(op.arity());
@@ -239,27 +239,27 @@ fn live(recorder: &Recorder, root: u32) -> Vec<u32> {
         .collect()
 }
 
-// Where H has data: a table that does not extrapolate has values between its first and its last knot only.
-// Beyond, its formula has numbers, but they mean nothing.
+// The domain of H: a table that does not extrapolate is defined between its first and its last knot only.
+// Beyond them its formula has values, but they are meaningless.
 
-/// An argument of a function of H that is not within its domain.
+/// An argument of a function of H outside its domain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutsideDomain<T> {
     /// The argument.
     pub argument: T,
-    /// The domain.
+    /// The lower end of the domain.
     pub first: T,
-    /// The domain.
+    /// The upper end of the domain.
     pub last: T,
 }
 
-/// The arguments of functions of H that have a domain, as tables that do not extrapolate; made by
+/// The arguments of functions of H that have a domain, such as tables that do not extrapolate, from
 /// [`Switches::domains`].
 #[derive(Debug, Clone)]
 pub struct Domains {
-    /// First and last argument.
+    /// The first and the last argument.
     ranges: Vec<[f64; 2]>,
-    /// None without such functions.
+    /// `None` if there are no such functions.
     results: Option<Arc<Results>>,
 }
 
@@ -298,7 +298,7 @@ impl Domains {
         }
     }
 
-    /// Whether H has values everywhere as far as is known.
+    /// Whether H is defined everywhere, as far as is known.
     pub fn is_empty(&self) -> bool {
         self.ranges.is_empty()
     }
@@ -313,7 +313,7 @@ impl Domains {
     }
 }
 
-/// Tells in the float type `T` whether states are within the domains of an energy.
+/// Checks in the float type `T` whether states are within the domains of an energy.
 #[derive(Debug, Clone)]
 pub struct DomainEvaluator<T> {
     domains: Domains,
@@ -322,11 +322,11 @@ pub struct DomainEvaluator<T> {
 }
 
 impl<T: Float> DomainEvaluator<T> {
-    /// Whether all arguments are within their domains at the state y = (q, p). Allocates at its first call
-    /// only.
+    /// Checks that all arguments are within their domains at the state y = (q, p). Allocates at its first
+    /// call only.
     ///
     /// # Errors
-    /// The first argument that is not.
+    /// The first argument outside its domain.
     pub fn check(&mut self, y: &[T]) -> Result<(), OutsideDomain<T>> {
         let Some(results) = &self.domains.results else {
             return Ok(());

@@ -1,5 +1,5 @@
-//! [`Traced`]: the trace of H. What is derived from it is made at its first use, and shared by the evaluators
-//! of all float types.
+//! [`Traced`]: the trace of H. Everything derived from the trace is computed on first use, and shared by the
+//! evaluators of all float types.
 
 use super::results::Results;
 use crate::derivative::bound::differentiate_with_bound;
@@ -17,7 +17,7 @@ use crate::structure::{degree, separable, sparsity};
 use crate::{BuildError, Structure};
 use std::sync::{Arc, OnceLock};
 
-/// An energy recorded from a closure.
+/// An energy traced from a closure.
 #[derive(Debug, Clone)]
 pub(crate) struct Traced {
     pub(crate) shared: Arc<Derived>,
@@ -41,7 +41,7 @@ impl Traced {
         self.shared.energy.one().operations()
     }
 
-    /// The operations of H.
+    /// The trace of H.
     pub(crate) fn recording(&self) -> &Recording {
         &self.shared.recording
     }
@@ -51,12 +51,12 @@ impl Traced {
     }
 }
 
-/// A recording and what is derived from it, shared by the evaluators of all float types.
+/// A trace and everything derived from it, shared by the evaluators of all float types.
 #[derive(Debug)]
 pub(crate) struct Derived {
     recording: Recording,
     pub(crate) energy: Results,
-    /// H has a sum that is worth compensating.
+    /// Whether H has a sum that is long enough to be compensated.
     pub(crate) has_long_sums: bool,
     derivatives: OnceLock<Gradients>,
     with_bound: OnceLock<Results>,
@@ -77,14 +77,14 @@ pub(crate) struct Gradients {
 #[derive(Debug)]
 pub(crate) enum Hessian {
     Recorded(Box<Results>),
-    /// From products with a vector for each colour of columns: of an energy of many variables that all go
-    /// through all of a long formula, the recording would be too long.
+    /// By products with a vector for each colour of the columns. Used if the trace would be too long, for a
+    /// long formula in which all parts depend on many variables.
     ByColours(Colouring),
 }
 
-/// Operations of ∇²H up to which it is recorded, whatever ∇H has: 200 bodies have 1.3 million, which take 3 s
-/// to be made ready. Longer ones in operations of ∇H and entries, of which chains and bodies have less than
-/// 3.
+/// The number of operations up to which ∇²H is traced in any case. 200 bodies have 1.3 million operations,
+/// which take 3 s to prepare. Beyond, ∇²H is traced up to a multiple of the operations of ∇H and the entries.
+/// For chains and bodies this multiple is less than 3.
 const LONG_HESSIAN: usize = 1 << 20;
 const MOST_TIMES: usize = 16;
 
@@ -135,7 +135,7 @@ impl Derived {
         &self.derivatives().gradient
     }
 
-    /// ∇H, the bound of rounding and H.
+    /// ∇H, the running error bound, and H.
     pub(crate) fn with_bound(&self) -> &Results {
         self.with_bound.get_or_init(|| with_bound(&self.recording))
     }
@@ -163,7 +163,7 @@ fn hessian_pattern(graph: Arc<Graph>) -> HessianPattern {
     })
 }
 
-/// ∇H, the bound and H, in this order.
+/// ∇H, the running error bound and H, in this order.
 fn with_bound(energy: &Recording) -> Results {
     let root = energy.root;
     let mut recorder = energy.resume();
@@ -176,7 +176,7 @@ fn with_bound(energy: &Recording) -> Results {
     Results::new(Arc::new(Graph::new(&recorder, &roots)))
 }
 
-/// Refuses constants, and what is computed of them alone, that are NaN or infinite.
+/// Rejects constants, and values computed from constants alone, that are NaN or infinite.
 fn check_constants(graph: &Graph) -> Result<(), BuildError> {
     let exponents = graph
         .nodes

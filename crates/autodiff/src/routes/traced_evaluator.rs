@@ -1,4 +1,4 @@
-//! [`TracedEvaluator`]: what is evaluated of a recording, in one float type.
+//! [`TracedEvaluator`]: the evaluations of a trace in one float type.
 
 use super::many::Many;
 use super::one::One;
@@ -11,7 +11,7 @@ use crate::{Kinetic, Structure};
 use equip_scalar::{FirstOrder, Float, InstructionSet};
 use std::sync::Arc;
 
-/// Evaluates a recorded energy in the float type `T`. Workspace is allocated at the first call of a kind.
+/// Evaluates a traced energy in the float type `T`. The first call of each kind allocates workspace.
 #[derive(Debug, Clone)]
 pub(crate) struct TracedEvaluator<T: Float> {
     pub(super) shared: Arc<Derived>,
@@ -19,7 +19,7 @@ pub(crate) struct TracedEvaluator<T: Float> {
     energy: One<T>,
     gradient: One<T>,
     with_bound: One<T>,
-    /// ∇H, the bound and H.
+    /// ∇H, the running error bound and H.
     bounded: Vec<T>,
     duals: Option<Replay<T::Forward<1>>>,
     rounded: Option<Replay<Rounded<T>>>,
@@ -27,7 +27,7 @@ pub(crate) struct TracedEvaluator<T: Float> {
     hessians: Many<T>,
     points: Points<T>,
     pub(super) gradients: Many<T>,
-    /// Of a separable H.
+    /// ∇U of a separable H.
     pub(super) forces: Many<T>,
 }
 
@@ -228,13 +228,13 @@ impl<T: Float> TracedEvaluator<T> {
     }
 }
 
-/// Components of a state, and entries of ∇²H.
+/// The number of components of a state, and of entries of ∇²H.
 fn rows_of(structure: &Structure) -> [usize; 2] {
     [2 * structure.degrees_of_freedom, structure.hessian.len()]
 }
 
-/// What is compiled once, with this crate, by [`equip_scalar::ready!`]: the functions of
-/// [`Evaluator`](crate::Evaluator), by their names there, and the bound alone.
+/// The functions compiled once with this crate by [`equip_scalar::ready!`]: those of
+/// [`Evaluator`](crate::Evaluator), by their names there, and the running error bound alone.
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {

@@ -1,16 +1,16 @@
 //! [`Bracket`]: y' = B(y)∇H(y) with a skew-symmetric matrix B in place of J.
 //!
-//! A step knows y' = Jw. Of a canonical system w is ∇H. Of any other it is
+//! A step takes y' = Jw. For a canonical system w = ∇H. Otherwise
 //!
 //! $$ w = J^T B g, \qquad w' = J^T \Big( B\,\nabla^2 H + \frac{\partial (B g)}{\partial y} \Big), $$
 //!
-//! g = ∇H, which is held fixed in the last term.
+//! where g = ∇H is fixed in the last term.
 //!
-//! B is recorded as its bilinear form S(y, g, λ) = Σ_{i<j} B_ij (λ_i g_j − λ_j g_i). The gradient of S by λ
-//! is Bg, and its Hessian has B (rows λ, columns g) and ∂(Bg)/∂y (rows λ, columns y). So B is skew-symmetric
-//! whatever its entries are, and H does not change along the motion.
+//! B is traced as its bilinear form S(y, g, λ) = Σ_{i<j} B_ij (λ_i g_j − λ_j g_i). The gradient of S by λ is
+//! Bg, and its Hessian contains B (rows λ, columns g) and ∂(Bg)/∂y (rows λ, columns y). Thus B is
+//! skew-symmetric for any entries, and H is constant along the motion.
 //!
-//! S has 3n components: y, g and λ, one after the other.
+//! S has 3n components: y, g and λ, concatenated.
 
 use super::conjugate::turned;
 use super::facts::{HessianPattern, Structure};
@@ -18,27 +18,27 @@ use super::pattern::Pattern;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-/// What is known of the motion.
+/// The structure of the equations of motion.
 #[derive(Debug, Clone)]
 pub(crate) struct Bracket {
-    /// That of H, with the pattern of w' in place of that of ∇²H.
+    /// The structure of H, with the pattern of w' in place of the pattern of ∇²H.
     pub(crate) structure: Structure,
     jacobian: Arc<OnceLock<Jacobian>>,
 }
 
-/// Where the entries of w' come from.
+/// The sources of the entries of w'.
 #[derive(Debug)]
 pub(crate) struct Jacobian {
-    /// The entry of ∂(Bg)/∂y, if there is one: its place in the Hessian of S.
+    /// The index in the Hessian of S of the entry of ∂(Bg)/∂y, if there is one.
     pub(crate) direct: Vec<Option<usize>>,
-    /// The products of B and ∇²H of entry e, places in the Hessian of S and in ∇²H:
+    /// The products of B and ∇²H in entry e, as indices into the Hessian of S and into ∇²H:
     /// `products[starts[e]..starts[e + 1]]`.
     pub(crate) products: Vec<[usize; 2]>,
     pub(crate) starts: Vec<usize>,
 }
 
 impl Bracket {
-    /// Of this energy and this form.
+    /// For this energy and this form.
     pub(crate) fn new(energy: &Structure, form: &Structure) -> Self {
         let patterns = [&energy.hessian, &form.hessian].map(Clone::clone);
         let n = energy.hessian.dimension();
@@ -56,7 +56,7 @@ impl Bracket {
         }
     }
 
-    /// Where the entries of w' come from, with these patterns of ∇²H and of the Hessian of the form.
+    /// The sources of the entries of w', with these patterns of ∇²H and of the Hessian of the form.
     pub(crate) fn jacobian(&self, energy: &Pattern, form: &Pattern) -> &Jacobian {
         self.jacobian.get_or_init(|| {
             let own = &self.structure.hessian;
@@ -107,7 +107,7 @@ fn pattern(energy: &Pattern, form: &Pattern) -> Pattern {
     }
 }
 
-/// The block of these rows and columns.
+/// The diagonal block with these rows and columns.
 fn block(of: &Pattern, rows: Range<usize>) -> Pattern {
     let (mut row_starts, mut columns) = (vec![0], Vec::new());
     for row in rows.clone() {

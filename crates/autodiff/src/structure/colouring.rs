@@ -1,17 +1,17 @@
-//! Columns of ∇²H that can be computed together.
+//! Groups of columns of ∇²H that can be computed together.
 //!
 //! Two columns without a common row can share one direction: the product of ∇²H with the sum of their unit
-//! vectors has the entries of both, side by side (Curtis, Powell, Reid 1974). Greedy in the order of the
-//! columns. Columns that are connected by rows are coloured together; where a row has all of them, every two
-//! meet, and there is nothing to search for.
+//! vectors contains the entries of both (Curtis, Powell, Reid 1974). The colouring is greedy in the order of
+//! the columns. Columns that are connected by rows are coloured together. If a row contains all of them,
+//! every two columns have a common row, and no search is needed.
 //!
-//! Cost: for each entry of a column the colours its row has so far, one by one or 64 at a time, whichever are
+//! Cost: for each entry of a column, the colours of its row so far, one by one or 64 at a time, whichever are
 //! fewer.
 
 use super::pattern::Pattern;
 use equip_scalar::Float;
 
-/// A direction for every column; columns without entries have none.
+/// A direction for every column. Columns without entries have none.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Colouring {
     pub(crate) colours: usize,
@@ -41,8 +41,8 @@ impl Colouring {
         colouring
     }
 
-    /// The entries of a symmetric matrix of this pattern, from its products with a vector for each colour.
-    /// Entry and mirror entry are read from the same place: symmetric to the last bit.
+    /// The entries of a symmetric matrix with this pattern, from its products with a vector for each colour.
+    /// An entry and its mirror image are read from the same number, so the matrix is exactly symmetric.
     pub(crate) fn entries<T: Float>(
         &self,
         pattern: &Pattern,
@@ -67,7 +67,7 @@ impl Colouring {
     }
 }
 
-/// Columns with entries, in sets that have no row in common, ascending in each.
+/// The columns with entries, in sets without common rows, each in ascending order.
 fn components(pattern: &Pattern) -> Vec<Vec<usize>> {
     let n = pattern.dimension();
     let mut parent: Vec<usize> = (0..n).collect();
@@ -90,7 +90,7 @@ fn components(pattern: &Pattern) -> Vec<Vec<usize>> {
     components
 }
 
-/// The representative of a set, all on the way to it brought nearer.
+/// The representative of a set, with path halving.
 fn top(parent: &mut [usize], mut i: usize) -> usize {
     while parent[i] != i {
         parent[i] = parent[parent[i]];
@@ -99,15 +99,15 @@ fn top(parent: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-/// Colours that a column cannot have.
+/// The colours that a column cannot have.
 struct Seen {
-    /// Colours of each long row, a bit each.
+    /// The colours of each long row, as bits.
     of_row: Vec<Vec<u64>>,
-    /// Those of the present column.
+    /// The colours excluded for the present column.
     taken: Vec<u64>,
 }
 
-/// Entries of the shortest row whose colours are kept.
+/// The number of entries from which the colours of a row are stored.
 const LONG: usize = 64;
 
 impl Seen {
@@ -118,7 +118,7 @@ impl Seen {
         }
     }
 
-    /// The first colour that no column has which shares a row with this one.
+    /// The first colour that no column with a common row has.
     fn first_free(&mut self, pattern: &Pattern, column: usize, known: &[Option<usize>]) -> usize {
         self.taken.clear();
         for (_, row) in pattern.row(column) {

@@ -2,8 +2,9 @@
 
 use equip_scalar::Float;
 
-/// The component c of ∇H that component `r` of J∇H is made of, and whether with the opposite sign: for n
-/// components the positions move by ∂H/∂p, the momenta by −∂H/∂q. The same map leads back.
+/// The component c of ∇H from which component `r` of J∇H is formed, and whether the sign changes. With n
+/// components the derivatives of the positions are ∂H/∂p, those of the momenta −∂H/∂q. Applied twice, the
+/// index map is the identity.
 #[doc(hidden)]
 #[inline(always)]
 pub fn conjugate(r: usize, n: usize) -> (usize, bool) {
@@ -11,7 +12,7 @@ pub fn conjugate(r: usize, n: usize) -> (usize, bool) {
     if r < m { (r + m, false) } else { (r - m, true) }
 }
 
-/// Jx in place of x.
+/// Replaces x by Jx.
 pub(crate) fn turn<T: Float>(x: &mut [T]) {
     let (q, p) = x.split_at_mut(x.len() / 2);
     for (q, p) in q.iter_mut().zip(p) {
@@ -19,7 +20,7 @@ pub(crate) fn turn<T: Float>(x: &mut [T]) {
     }
 }
 
-/// The component of J∇H that component `c` of ∇H goes to, and with which sign.
+/// The component of J∇H formed from component `c` of ∇H, and its sign.
 #[doc(hidden)]
 #[inline(always)]
 pub fn turned<T: Float>(c: usize, n: usize) -> (usize, T) {

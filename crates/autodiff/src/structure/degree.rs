@@ -1,14 +1,15 @@
-//! Polynomial degrees of H, bounded from above.
+//! Polynomial degrees of H, as upper bounds.
 //!
-//! Degrees add in products and take the maximum in sums; a quotient by, or a function of, something that does
-//! not depend on the variables at hand has degree 0 in them. Cancellation is not seen: x³ − x³ has degree 3.
+//! Degrees add in products, and sums take the maximum. A quotient by an expression that does not depend on
+//! the given variables does not change the degree, and a function of such an expression has degree 0.
+//! Cancellation is not detected: x³ − x³ has degree 3.
 
 use crate::recording::graph::Graph;
 use crate::recording::op::Op;
 use equip_scalar::{Constant, Written};
 use std::ops::Range;
 
-/// Degree of H in the inputs of the given range, all others held fixed; `None` if it is not known to be a
+/// The degree of H in the inputs of the given range, with all others fixed; `None` if H is not known to be a
 /// polynomial in them.
 pub(crate) fn degree(graph: &Graph, variables: Range<usize>) -> Option<u32> {
     let mut degrees: Vec<Option<u32>> = Vec::with_capacity(graph.nodes.len());
@@ -42,7 +43,7 @@ fn larger(a: u32, b: Option<u32>) -> Option<u32> {
     b.map(|b| a.max(b))
 }
 
-/// Degree of a power with the given exponent, if that is a whole number ≥ 0.
+/// The degree of a power with the given exponent, if the exponent is an integer ≥ 0.
 fn power(degree: Option<u32>, exponent: Option<u32>) -> Option<u32> {
     match (degree?, exponent) {
         (0, _) => Some(0),
@@ -50,7 +51,7 @@ fn power(degree: Option<u32>, exponent: Option<u32>) -> Option<u32> {
     }
 }
 
-/// A whole exponent ≥ 0 that is written as a double.
+/// An integer exponent ≥ 0 that is written as a double.
 fn whole(c: Constant) -> Option<u32> {
     match c.written() {
         Written::Double(x) if x == f64::from(x as u32) => Some(x as u32),

@@ -1,22 +1,22 @@
-//! [`Structure`]: what is known of H before any number is put in.
+//! [`Structure`]: the properties of H that hold at every state.
 
 use super::pattern::Pattern;
 use std::fmt;
 use std::ops::{Deref, Range};
 use std::sync::{Arc, OnceLock};
 
-/// The pattern of ∇²H, found at the first request: of n bodies it has n² entries. It is a [`Pattern`]
-/// by dereference.
+/// The pattern of ∇²H, computed on first use: for n bodies it has n² entries. It dereferences to a
+/// [`Pattern`].
 #[derive(Clone)]
 pub struct HessianPattern {
     dimension: usize,
-    /// The block of these rows and columns.
+    /// Computes the diagonal block with these rows and columns.
     block: Arc<dyn Fn(Range<usize>) -> Pattern + Send + Sync>,
     found: Arc<OnceLock<Pattern>>,
 }
 
 impl HessianPattern {
-    /// Of n rows, by what finds a block of them.
+    /// A pattern with n rows, given a function that computes its diagonal blocks.
     pub(crate) fn new(
         dimension: usize,
         block: impl Fn(Range<usize>) -> Pattern + Send + Sync + 'static,
@@ -28,12 +28,12 @@ impl HessianPattern {
         }
     }
 
-    /// Of a matrix that may have all n² entries.
+    /// The pattern of a matrix that may have all n² entries.
     pub(crate) fn full(dimension: usize) -> Self {
         Self::new(dimension, |rows| Pattern::full(rows.len()))
     }
 
-    /// Rows (and columns) of the matrix, without finding the pattern.
+    /// The number of rows (and columns) of the matrix, without computing the pattern.
     pub fn dimension(&self) -> usize {
         self.dimension
     }
@@ -43,7 +43,7 @@ impl HessianPattern {
         (**self).clone()
     }
 
-    /// The block of these rows and columns, counted from 0, without finding the rest.
+    /// The diagonal block with these rows and columns, counted from 0, without computing the rest.
     pub(crate) fn block(&self, variables: Range<usize>) -> Pattern {
         (self.block)(variables)
     }
@@ -72,25 +72,25 @@ impl fmt::Debug for HessianPattern {
     }
 }
 
-/// Facts about H read off its recording; each one that cannot be proved is absent.
+/// Properties of H read from its trace. A property that cannot be proved is absent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Structure {
-    /// Degrees of freedom m; the state has 2m components.
+    /// The number m of degrees of freedom; the state has 2m components.
     pub degrees_of_freedom: usize,
-    /// H = T(p) + U(q).
+    /// Whether H = T(p) + U(q).
     pub separable: bool,
-    /// Degree of H as a polynomial in (q, p) together; `None` if it is not known to be one.
+    /// The degree of H as a polynomial in (q, p) together; `None` if it is not known to be a polynomial.
     pub degree: Option<u32>,
-    /// Degree in q with p held fixed.
+    /// The degree in q with p fixed.
     pub degree_in_q: Option<u32>,
-    /// Degree in p with q held fixed.
+    /// The degree in p with q fixed.
     pub degree_in_p: Option<u32>,
-    /// Entries of ∇²H that can be non-zero.
+    /// The entries of ∇²H that can be non-zero.
     pub hessian: HessianPattern,
 }
 
 impl Structure {
-    /// H has degree at most 2: every Gauss method keeps it, and no α is needed.
+    /// Whether H has degree at most 2. Every Gauss method then conserves H, and no α is needed.
     pub fn is_quadratic(&self) -> bool {
         self.degree.is_some_and(|d| d <= 2)
     }

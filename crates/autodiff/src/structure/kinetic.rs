@@ -1,8 +1,8 @@
 //! [`Kinetic`]: the quadratic T(p) of a separable H = T(p) + U(q), as numbers.
 //!
-//! T(p) = ½ pᵀ M⁻¹ p + bᵀ p + const, so ∇T(p) = M⁻¹ p + b without any differentiation: what an iteration that
-//! has only the positions as unknowns needs. M⁻¹ is read off ∇²H, whose lower right block is constant, and b
-//! off ∇H at p = 0.
+//! T(p) = ½ pᵀ M⁻¹ p + bᵀ p + const, so ∇T(p) = M⁻¹ p + b needs no differentiation. Iterations with the
+//! positions as the only unknowns use it. M⁻¹ is read from ∇²H, whose lower right block is constant, and b
+//! from ∇H at p = 0.
 
 use crate::Structure;
 use crate::structure::colouring::Colouring;
@@ -18,7 +18,7 @@ pub struct Kinetic<T> {
 #[derive(Debug, Clone, PartialEq)]
 enum Shape<T> {
     Diagonal(Vec<T>),
-    /// Entries of row i stand at `row_starts[i]..row_starts[i + 1]`.
+    /// The entries of row i are at `row_starts[i]..row_starts[i + 1]`.
     Sparse {
         row_starts: Vec<usize>,
         entries: Vec<(usize, T)>,
@@ -26,7 +26,7 @@ enum Shape<T> {
 }
 
 impl<T: Float> Kinetic<T> {
-    /// Of a separable H with a quadratic T, from ∇H at the origin and ∇²H·v there, once for each colour of
+    /// For a separable H with a quadratic T, from ∇H and ∇²H·v at the origin, with one v for each colour of
     /// ∇²T. `None` if one of these is not finite.
     pub(crate) fn new(
         structure: &Structure,
@@ -88,12 +88,12 @@ impl<T: Float> Kinetic<T> {
         diagonal.into_iter().chain(sparse.iter().copied())
     }
 
-    /// ∇T(p) = M⁻¹ p + b into `velocity`, both of length m.
+    /// Writes ∇T(p) = M⁻¹ p + b to `velocity`, both of length m.
     pub fn velocity(&self, p: &[T], velocity: &mut [T]) {
         self.velocities_by_component(p, velocity, 1);
     }
 
-    /// ∇T at as many points as fit into `stride`: component c of point i stands at `c·stride + i`.
+    /// ∇T at `stride` points: component c of point i is at `c·stride + i`.
     #[inline]
     pub fn velocities_by_component(&self, p: &[T], velocities: &mut [T], stride: usize) {
         let rows = velocities.chunks_exact_mut(stride).zip(&self.offset);

@@ -1,4 +1,4 @@
-//! What is known of H before any number is put in.
+//! The properties of H that hold at every state.
 
 pub(crate) mod bracket;
 pub(crate) mod colouring;

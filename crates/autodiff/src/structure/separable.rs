@@ -1,7 +1,8 @@
 //! Whether H = T(p) + U(q).
 //!
-//! Walks down from H through sums, differences, signs and constant factors; H separates if every operation
-//! that depends on both q and p is one of these. Sufficient, not necessary: (q + p)² − 2qp is not recognised.
+//! The analysis descends from H through sums, differences, signs and constant factors. H is separable if
+//! every operation that depends on both q and p is one of these. The criterion is sufficient, not necessary:
+//! (q + p)² − 2qp is not recognised.
 
 use crate::recording::graph::Graph;
 use crate::recording::op::Op;

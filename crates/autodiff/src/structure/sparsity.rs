@@ -1,10 +1,10 @@
-//! Which entries of ∇²H can be non-zero.
+//! The sparsity pattern of ∇²H.
 //!
-//! Every operation with curvature couples the inputs its operands depend on: a product ab couples those of a
-//! with those of b, a quotient a/b those of b with all, a curved function all with all. The union over the
-//! operations is the pattern (cancellation is not seen). Sets of inputs are made only where they end in an
-//! operation with curvature, so a sum over all particles at the end costs nothing, and equal sets are kept
-//! once, so that a dense H does not repeat its n² couplings for each operation.
+//! Every operation with non-zero second derivatives couples the inputs of its operands: a product ab couples
+//! those of a with those of b, a quotient a/b those of b with all, any other nonlinear function all with all.
+//! The union over the operations is the pattern; cancellation is not detected. Sets of inputs are computed
+//! only for operands of such operations, so a final sum over all particles costs nothing. Equal sets are
+//! stored once, so that a dense H does not repeat its n² couplings for each operation.
 
 use crate::Pattern;
 use crate::recording::graph::Graph;
@@ -13,7 +13,7 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::rc::Rc;
 
-/// The block of ∇²H with these rows and columns, counted from 0.
+/// The diagonal block of ∇²H with these rows and columns, counted from 0.
 pub(crate) fn hessian_pattern(graph: &Graph, variables: Range<usize>) -> Pattern {
     let wanted = wanted(graph);
     let mut sets = Sets::default();
@@ -53,7 +53,7 @@ pub(crate) fn hessian_pattern(graph: &Graph, variables: Range<usize>) -> Pattern
     rows.into_pattern()
 }
 
-/// Nodes whose set of inputs is asked for: operands of curved operations, and operands of wanted nodes.
+/// The nodes whose set of inputs is needed: operands of nonlinear operations, and operands of such nodes.
 fn wanted(graph: &Graph) -> Vec<bool> {
     let mut wanted = vec![false; graph.nodes.len()];
     for i in (0..graph.nodes.len()).rev() {
@@ -64,7 +64,7 @@ fn wanted(graph: &Graph) -> Vec<bool> {
     wanted
 }
 
-/// Sets of inputs, each kept once.
+/// Sets of inputs, each stored once.
 #[derive(Default)]
 struct Sets {
     sets: Vec<Rc<[u32]>>,
@@ -79,7 +79,7 @@ impl Sets {
         self.sets.get(id as usize).map_or(&[], |set| &**set)
     }
 
-    /// The set with these elements, ascending.
+    /// The set with these elements, in ascending order.
     fn intern(&mut self, elements: Vec<u32>) -> u32 {
         if elements.is_empty() {
             return Sets::EMPTY;
@@ -120,7 +120,7 @@ impl Sets {
     }
 }
 
-/// Columns of each row, with duplicates that are removed whenever a row has doubled.
+/// The columns of each row. Duplicates are removed whenever the length of a row has doubled.
 struct Rows {
     columns: Vec<Vec<u32>>,
     limits: Vec<usize>,
@@ -134,7 +134,7 @@ impl Rows {
         }
     }
 
-    /// Every entry of a × b and b × a.
+    /// Adds every entry of a × b and b × a.
     fn couple(&mut self, a: &[u32], b: &[u32]) {
         for (rows, columns) in [(a, b), (b, a)] {
             for &row in rows {

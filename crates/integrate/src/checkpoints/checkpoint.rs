@@ -1,11 +1,11 @@
-//! [`Checkpoint`]: everything a run needs to go on as if it had never stopped, bit for bit.
+//! [`Checkpoint`]: everything a run needs to continue bit for bit as if it had not been interrupted.
 //!
-//! Numbers are kept as the bits of their parts, so double-double comes back exactly as well. With the feature
-//! `serde` a checkpoint can be written in any format serde knows; the parts are hexadecimal text.
+//! Numbers are stored as the bits of their parts, so `f64` and double-double are restored exactly. With the
+//! feature `serde` a checkpoint can be written in any format of serde; the parts are hexadecimal text.
 //!
-//! What is in it: time and state with the parts that rounding lost, the references of energy and invariants,
-//! what the solver and step control remember of the steps so far, and the certificate so far. What is not: H,
-//! and what only watches a run (observers, events, output times).
+//! A checkpoint contains: time and state with their rounding remainders, the references of energy and
+//! invariants, the memory of the solver and of step control, and the certificate so far. It does not contain
+//! H, nor anything that only observes a run (observers, events, output times).
 
 use crate::checkpoints::checksum;
 use crate::checkpoints::exact::Exact;
@@ -15,12 +15,12 @@ use crate::options::common::in_digits;
 use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
-/// The version of what is in a checkpoint.
+/// The version of the content of a checkpoint.
 pub(crate) const FORMAT: u32 = 13;
 
-/// A run at one of its steps, from which it can be resumed bit for bit. Made by
-/// [`Stepper::checkpoint`](crate::Stepper::checkpoint), read by `resume` and `integrate_from` of the same
-/// options.
+/// The state of a run after one of its steps. The run can be resumed from it bit for bit.
+/// [`Stepper::checkpoint`](crate::Stepper::checkpoint) makes a checkpoint; `resume` and `integrate_from` with
+/// the same options read it.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -39,11 +39,11 @@ pub(crate) const FORMAT: u32 = 13;
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Checkpoint {
     pub(crate) format: u32,
-    /// Name of the float type.
+    /// The name of the float type.
     pub(crate) precision: String,
-    /// Method and options, as they have to be again.
+    /// Method and options, which must be the same on resumption.
     pub(crate) options: Vec<(String, String)>,
-    /// H by its formula and values, and the invariants by name, formula and values.
+    /// Checksums of H and of the invariants, by formula and values, with the names of the invariants.
     pub(crate) energy: String,
     pub(crate) invariants: Vec<(String, String)>,
     /// Time and state at the start of the run.
@@ -52,17 +52,17 @@ pub struct Checkpoint {
     pub(crate) time: Exact,
     pub(crate) time_low: Exact,
     pub(crate) index: u64,
-    /// Which way the run goes, and where on which grid of time it is.
+    /// The direction of the run, and its position on the grid of time.
     pub(crate) goes_back: bool,
     pub(crate) grid_start: Exact,
     pub(crate) place: i64,
     pub(crate) high: Vec<Exact>,
     pub(crate) low: Vec<Exact>,
     pub(crate) energy_reference: Exact,
-    /// Energy if it is measured, then the invariants: start, max, end of each.
+    /// The energy if it is measured, then the invariants: initial value, largest and last error of each.
     pub(crate) errors: Vec<[Exact; 3]>,
     pub(crate) in_levels: Option<Exact>,
-    /// What is known of the round-off level of the energy; angle and step of the largest phase per step.
+    /// The round-off level of the energy; angle and step size of the largest phase per step.
     pub(crate) energy_round_off: Option<[Exact; 6]>,
     pub(crate) phase_per_step: Option<[Exact; 2]>,
     pub(crate) round_off: Option<Exact>,
@@ -71,33 +71,33 @@ pub struct Checkpoint {
     pub(crate) last_outcome: Outcome,
     pub(crate) counts: Counts,
     pub(crate) switches_crossed: u64,
-    /// How often H has jumped, and the largest jump.
+    /// The number of jumps of H, and the largest jump.
     pub(crate) energy_jumps: Option<(u64, Exact)>,
     pub(crate) seconds: Exact,
-    /// What the solver remembers of the steps so far.
+    /// The memory of the solver.
     pub(crate) solver: Vec<(String, Vec<Exact>)>,
     pub(crate) control: Option<ControlMemory>,
-    /// The deviation that is followed.
+    /// The tangent vector that is propagated.
     pub(crate) chaos: Option<ChaosMemory>,
-    /// Of all of the above.
+    /// The checksum of all other fields.
     pub(crate) checksum: String,
 }
 
 impl Checkpoint {
-    /// Number of the step it was made after.
+    /// The number of the last step before the checkpoint.
     pub fn index(&self) -> u64 {
         self.index
     }
 
-    /// Time it was made at.
+    /// The time of the checkpoint.
     ///
     /// # Errors
-    /// [`IntegrateError::CheckpointDamaged`] if it is not a number.
+    /// [`IntegrateError::CheckpointDamaged`] if the stored time is not a number.
     pub fn time<T: Float>(&self) -> Result<T, IntegrateError<T>> {
         self.time.read()
     }
 
-    /// Whether a run from (`q0`, `p0`), each of length m, at `t0` is the one it was made of.
+    /// Checks that the run of this checkpoint started at (`q0`, `p0`), each of length m, at time `t0`.
     ///
     /// # Errors
     /// [`IntegrateError::CheckpointMismatch`] with the float type or the first component that differs.
@@ -140,7 +140,7 @@ impl Checkpoint {
         )
     }
 
-    /// Whether it is whole, and of a run in this float type with these options.
+    /// Checks that the checkpoint is complete, and belongs to a run in this float type with these options.
     pub(crate) fn check<T: Float>(
         &self,
         options: &[(&'static str, String)],
@@ -170,7 +170,7 @@ impl Checkpoint {
         )
     }
 
-    /// The checksum of all that is in it.
+    /// The checksum of the content.
     fn sum(&self) -> String {
         checksum::of(&Checkpoint {
             checksum: String::new(),
@@ -178,13 +178,14 @@ impl Checkpoint {
         })
     }
 
-    /// Puts the checksum of the content on it.
+    /// Stores the checksum of the content.
     #[doc(hidden)]
     pub fn seal(&mut self) {
         self.checksum = self.sum();
     }
 
-    /// Positions and momenta at the start of the run, without time, where H depends on it.
+    /// Positions and momenta at the start of the run. If H depends on time, they do not include time and its
+    /// momentum.
     pub(crate) fn start_state<T: Float>(&self) -> Result<(Vec<T>, Vec<T>), IntegrateError<T>> {
         let mut q = vec![T::int(0); self.start_state.len()];
         Exact::read_all(&self.start_state, &mut q, "the start")?;
@@ -192,7 +193,7 @@ impl Checkpoint {
         Ok((q, p))
     }
 
-    /// What step control has remembered.
+    /// The memory of step control.
     pub(crate) fn control<T: Float>(&self) -> Result<&ControlMemory, IntegrateError<T>> {
         let what = "the memory of step control";
         let damaged = IntegrateError::CheckpointDamaged { what };
@@ -200,7 +201,7 @@ impl Checkpoint {
     }
 }
 
-/// An error that names both values, unless they `are` the same.
+/// An error with both values, unless they are equal (`are`).
 fn same<T: Float>(
     what: &'static str,
     stored: impl FnOnce() -> String,

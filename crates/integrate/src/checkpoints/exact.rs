@@ -1,9 +1,9 @@
-//! [`Exact`]: a number by its bits.
+//! [`Exact`]: a number stored by its bits.
 
 use crate::error::IntegrateError;
 use equip_scalar::{Float, Words};
 
-/// A number by the bits of its parts: hexadecimal, separated by colons, the largest part first.
+/// A number as the bits of its parts: hexadecimal, separated by colons, the largest part first.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(transparent))]
@@ -26,7 +26,7 @@ impl Exact {
         Exact(text.join(":"))
     }
 
-    /// A number that has to be finite.
+    /// Reads a number that must be finite.
     pub(crate) fn read_finite<T: Float>(&self, what: &'static str) -> Result<T, IntegrateError<T>> {
         let number: T = self.read()?;
         if number.is_finite() {
@@ -58,7 +58,7 @@ impl Exact {
         })
     }
 
-    /// Reads as many numbers as `out` holds.
+    /// Reads all numbers of `out`.
     pub(crate) fn read_all<T: Float>(
         stored: &[Self],
         out: &mut [T],

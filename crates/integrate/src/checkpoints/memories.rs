@@ -1,4 +1,4 @@
-//! What step control and a deviation remember in a checkpoint.
+//! The memory of step control, and a propagated tangent vector, in a checkpoint.
 
 use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
@@ -7,7 +7,7 @@ use crate::report::energy_round_off::EnergyRoundOff;
 use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
 
-/// What step control remembers.
+/// The memory of step control.
 #[derive(Debug, Clone, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -21,7 +21,7 @@ pub(crate) struct ControlMemory {
     pub(crate) switches: SwitchMemory,
 }
 
-/// A deviation and what has been summed of it.
+/// A tangent vector, and the sums of its growth.
 #[derive(Debug, Clone, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -32,8 +32,8 @@ pub(crate) struct ChaosMemory {
 }
 
 impl ControlMemory {
-    /// The steps so far; what sizes the next one, and how often it may still be tried; what is known of
-    /// switches.
+    /// From the steps so far, the proposed size of the next step with the number of attempts so far, and the
+    /// memory of the switches.
     pub(crate) fn of<T: Float>(
         steps: &VariableSteps<T>,
         (next, tries): (Exact, Option<u32>),
@@ -50,7 +50,7 @@ impl ControlMemory {
         }
     }
 
-    /// What the steps so far were.
+    /// The statistics of the steps so far.
     pub(crate) fn variable_steps<T: Float>(
         &self,
         tolerance: T,
@@ -65,7 +65,7 @@ impl ControlMemory {
     }
 }
 
-/// What is known of the round-off level of the energy, as numbers.
+/// The round-off level of the energy as numbers.
 pub(crate) fn round_off_memory<T: Float>(of: EnergyRoundOff<T>) -> [Exact; 6] {
     let underflows = T::int(i64::from(of.underflows));
     [
@@ -79,7 +79,7 @@ pub(crate) fn round_off_memory<T: Float>(of: EnergyRoundOff<T>) -> [Exact; 6] {
     .map(Exact::of)
 }
 
-/// The same from these numbers.
+/// The round-off level of the energy from these numbers.
 pub(crate) fn read_round_off<T: Float>(
     from: &[Exact; 6],
 ) -> Result<EnergyRoundOff<T>, IntegrateError<T>> {

@@ -1,4 +1,4 @@
-//! What a run needs to go on bit for bit.
+//! Checkpoints: what a run needs to continue bit for bit.
 
 pub(crate) mod checkpoint;
 pub(crate) mod checksum;

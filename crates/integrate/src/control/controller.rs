@@ -1,28 +1,29 @@
-//! Step control: which size the next step gets.
+//! Step control: the size of the next step.
 //!
-//! From a step of size h with error estimate e, which goes like h^{2s}, the size that would have met the
-//! tolerance there is
+//! A step of size h has the error estimate e, which is proportional to h^{2s}. The size that would have met
+//! the tolerance is
 //!
 //! $$ \hat h = h\,(\mathrm{tol} / e)^{1/(2s)} . $$
 //!
-//! Where the motion is limited by a singularity at distance d from the middle of the step, sizes are
-//! proportional to that distance: the next step h⁺, whose middle is (h + h⁺)/2 further on, should have h⁺/ĥ =
-//! (d − (h + h⁺)/2)/d. With h/(2d) = 1/z, which the coefficients of the step tell
-//! ([`crate::control::estimate`]), that is
+//! If a singularity at distance d from the middle of the step limits the motion, step sizes are proportional
+//! to that distance. The middle of the next step h⁺ is (h + h⁺)/2 further, so h⁺/ĥ = (d − (h + h⁺)/2)/d. With
+//! h/(2d) = 1/z, which follows from the coefficients of the step ([`crate::control::estimate`]), this gives
 //!
 //! $$ h^+ = \hat h\, \frac{1 - 1/z}{1 + \hat h / (h z)} . $$
 //!
-//! A tolerance may allow steps that fixed-point iteration takes long for: their contraction ρ, in the mean of
-//! those of a step, goes like h (like h² where the positions alone are unknown), and so does what a step
-//! costs, the more the larger it is. Such steps are made as long as costs least for the time they cover,
+//! A tolerance may allow steps for which the fixed-point iteration converges slowly. The mean contraction ρ
+//! of a step is proportional to h (to h² if the positions alone are unknown), and the work of a step grows
+//! faster than its size. Such steps have the size with the least work per unit of time,
 //!
 //! $$ h^+ \le h \min\Big(1, \frac{1 - 1/z}{1 + \hat h/(hz)}\Big) \Big(\frac{\rho_0}{\rho}\Big)^{1/p}, $$
 //!
-//! unless the tolerance allows so much more that Newton's method, which minds no size, pays. They are more
-//! accurate than was asked for then, for less. Nothing is remembered of earlier steps, so there is nothing to
-//! hunt with. What was measured of both, and of other rules, is in `docs/adr/0005`.
+//! unless the tolerance allows steps so much longer that Newton's method, whose convergence does not depend
+//! on the size, needs less work. These steps are more accurate than requested, at less cost. The controller
+//! has no memory of earlier steps that could make the sizes oscillate. `docs/adr/0005` compares both rules
+//! with others.
 //!
-//! Sizes are f64 in every float type: a step is a choice, not a result, and a size of 53 bits is exact.
+//! Sizes are `f64` in every float type: a step size is a choice, not a result, and a size of 53 bits is
+//! exact.
 
 use crate::control::estimate::Estimate;
 use crate::control::policy::{ACCEPTED, CHEAPEST, MOST_CHANGE, NEWTON, SAFETY};
@@ -30,21 +31,21 @@ use equip_scalar::power::power;
 
 #[derive(Debug)]
 pub(crate) struct Control {
-    /// tol^{1/(2s)}, to be had by the ϱ of the estimate.
+    /// tol^{1/(2s)}, the bound on ϱ of the estimate.
     wanted: f64,
-    /// Ratio (tol / e)^{1/(2s)} down to which a step is accepted.
+    /// The smallest ratio (tol / e)^{1/(2s)} with which a step is accepted.
     accepted: f64,
-    /// Largest step.
+    /// The largest step.
     pub(crate) most: f64,
-    /// Size proposed for the next step: all that is remembered between steps.
+    /// The size proposed for the next step: the only state between steps.
     pub(crate) next: f64,
 }
 
-/// What to do with a step that was made.
+/// The decision on a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Judgement {
     Accept,
-    /// Try again with this size.
+    /// Reject the step and try this size.
     Refuse(f64),
 }
 
@@ -59,15 +60,15 @@ impl Control {
         }
     }
 
-    /// A run begins, with a step of the size `first` if that is allowed.
+    /// Begins a run with a step of size `first`, or of the largest allowed size.
     pub(crate) fn begin(&mut self, first: f64) {
         self.next = first.min(self.most);
     }
 
-    /// Judges a step of size `h` by its estimate, and if it is accepted proposes the next. `contraction` is
-    /// that of its iterations, if there were any, as a power that goes like h. Iterations from the stages of
-    /// a try that was refused do not contract as others do: after one the next step is not shortened for
-    /// them.
+    /// Accepts or rejects a step of size `h` by its estimate. If it is accepted, proposes the next size.
+    /// `contraction` is the contraction of its iterations, if there were any, scaled to be proportional to h.
+    /// If the initial guess came from a rejected attempt (`is_retried`), the contraction is not typical, and
+    /// does not shorten the next step.
     pub(crate) fn judge(
         &mut self,
         h: f64,
@@ -90,19 +91,20 @@ impl Control {
         Judgement::Accept
     }
 
-    /// Whether a step with this estimate is longer than the tolerance allows.
+    /// Whether the estimate of a step exceeds the tolerance.
     pub(crate) fn is_too_long(&self, estimate: &Estimate) -> bool {
         self.ratio(estimate) < 1.0
     }
 
-    /// Whether a step that was accepted with an estimate of this `decay` gets the next size whatever it is.
+    /// Whether an accepted step with an estimate of this `decay` leaves so much room that the contraction
+    /// alone limits the next size.
     pub(crate) fn has_room(&self, decay: f64, contraction: f64) -> bool {
         let enough = (CHEAPEST / contraction / SAFETY).clamp(1.0, MOST_CHANGE);
         self.wanted >= decay * enough
     }
 
-    /// The step that iterations cost least for, in units of the one that was made; infinite for Newton's
-    /// method.
+    /// The size with the least work per unit of time, relative to the size of the last step; infinite if
+    /// Newton's method needs less work.
     fn cheapest(ratio: f64, contraction: Option<f64>) -> f64 {
         let cheapest = contraction.map_or(f64::INFINITY, |contraction| CHEAPEST / contraction);
         if ratio <= NEWTON * cheapest {
@@ -117,13 +119,12 @@ impl Control {
         self.wanted / estimate.decay
     }
 
-    /// After a step of size `h` that could not be solved: the size to try.
+    /// The size to try after a step of size `h` that could not be solved.
     pub(crate) fn shorter(&self, h: f64) -> f64 {
         h / 2.0
     }
 
-    /// Whether the first step is so much smaller than it could be, up to `longest`, that it is worth another
-    /// try; with which size.
+    /// A longer size for the first step, at most `longest`, if it is more than twice the present size `h`.
     pub(crate) fn first_is_timid(
         &self,
         h: f64,

@@ -1,22 +1,22 @@
-//! Tells a motion that runs away to infinity from a step that is too large.
+//! Distinguishes a motion that escapes to infinity in finite time from a step that is too large.
 //!
-//! A potential that falls faster than −|q|² throws a particle to infinity in finite time t*: q ~ (t* −
-//! t)^{−β}, and no step converges that reaches beyond t*. Near it the position moves outward, is pushed
-//! outward, and grows by a factor within the very step that fails. A fall into a centre is pulled inward, a
-//! collision does not change |q| by a factor.
+//! In a potential that decreases faster than −|q|² a particle reaches infinity at a finite time t*: q ~ (t* −
+//! t)^{−β}. No step that extends beyond t* converges. Near t* the position moves outward, the force points
+//! outward, and |q| grows by a factor within the step that fails. In a fall into a centre the force points
+//! inward. In a collision |q| does not change by a factor.
 //!
-//! Cost: one gradient, after a step has failed for good.
+//! Cost: one gradient, after a step has finally failed.
 
 use crate::control::policy::ESCAPING;
 use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 
-/// |q| at `y` if the motion from there reaches infinity within about a step of `h`.
+/// |q| at `y` if the motion reaches infinity within about one step of size `h`.
 pub(crate) fn escapes<T: Float>(energy: &mut Evaluator<T>, y: &[T], h: T) -> Option<T> {
     let m = y.len() / 2;
     let mut f = vec![T::int(0); y.len()];
     energy.vector_field(y, &mut f);
-    // In units of the largest position: squares of what runs away leave the range of the float type.
+    // Scaled by the largest position, since the squares may overflow.
     let largest = y[..m].iter().fold(T::int(0), |a, q| a.max(q.abs()));
     let (mut square, mut outward, mut pushed) = (T::int(0), T::int(0), T::int(0));
     for i in 0..m {

@@ -1,47 +1,52 @@
 //! The error estimate of a step, from the decay of the Legendre coefficients of its stage derivatives.
 //!
-//! The stages define u'(τ) = Σ_{k<s} γ_k P_k(τ), γ_k = Σ_i b_i P_k(c_i) f(Y_i). What s stages do not resolve
-//! begins with γ_s; to the end point it is passed by the part of the flow's derivative that is orthogonal to
-//! all polynomials of degree below s, which decays alike. So the end point, of order 2s, has an error of
-//! about ϱ^{2s}, if coefficients decay by ϱ each. Of every component for itself, in units of its own motion,
+//! The stages define u'(τ) = Σ_{k<s} γ_k P_k(τ), γ_k = Σ_i b_i P_k(c_i) f(Y_i). The part of f that s stages
+//! do not resolve begins with γ_s. It affects the end point through the component of the flow's derivative
+//! that is orthogonal to all polynomials of degree below s, and that component decays at the same rate. If
+//! the coefficients decay by a factor ϱ each, the error of the end point is therefore about ϱ^{2s}, in
+//! agreement with the order 2s. For each component separately, in units of its own change over the step,
 //!
 //! $$ \mathrm{est} = \varrho^{2s}, \qquad
 //!    \varrho = \max_c \min_{j=0,1} \max_{k = s-1, s} \Big( \frac{|\gamma_k|}{a_j} \Big)^{1/(k-j)} ,
 //!    \qquad a_0 = \max_j |\gamma_j|, \quad a_1 = |\gamma_1| . $$
 //!
-//! Two coefficients are used because every other one vanishes where the motion is even or odd about the
-//! middle of the step; they may decay from degree 1 because at a turning point that of degree 0 vanishes.
+//! Two coefficients are used because every other one vanishes if the motion is even or odd about the middle
+//! of the step. The decay may be measured from degree 1 because the coefficient of degree 0 vanishes at a
+//! turning point.
 //!
-//! Those from degree s on are what the polynomial is off at both ends of the step, where it has no node,
+//! The coefficients from degree s on follow from the residual of the polynomial at the ends of the step,
+//! where it has no node,
 //!
 //! $$ \gamma_s P_s(\tau) + \gamma_{s+1} P_{s+1}(\tau) = f(u(\tau)) - \sum_{k<s} \gamma_k P_k(\tau) ,
 //!    \qquad \tau = 0, 1 . $$
 //!
-//! *Where the decay ends*, as beside a kink of H, nothing is extrapolated. If those last ones are less than
-//! those before by a factor r each, it is
+//! *If the coefficients stop decaying*, as near a discontinuity of a derivative of H, the decay is not
+//! extrapolated. If the last coefficients are smaller than the ones before by a factor r each,
 //!
 //! $$ \mathrm{est} \ge \max_c \frac{g}{\max(a_0, a_1/r)}\, r^s , \qquad
 //!    g = \max(|\gamma_s|, |\gamma_{s+1}|), \quad
 //!    r = \min\Big( 1, \frac{g}{|\gamma_{s-1}|}, \Big( \frac{g}{|\gamma_{s-2}|} \Big)^{1/2} \Big) . $$
 //!
-//! Relative to the motion in the step, not to the state: that knows no origin, no units and no masses, and
-//! sees a close encounter of two bodies among many. Motion below √tolerance of the size of a component is not
-//! resolved further, nor is one below ε of the largest component of its group, positions or momenta: what
-//! stands still by symmetry moves by rounding. A component that moves by less than the tolerance of its size
-//! may do so as it will: no step need be shorter than that, whatever H is.
+//! The estimate is relative to the change over the step, not to the state. It therefore depends neither on
+//! the origin nor on units and masses, and detects a close encounter of two bodies among many. Changes below
+//! √tolerance of the size of a component are not resolved further, nor are changes below ε of the largest
+//! component in the group (positions or momenta): a component that is constant by symmetry changes by
+//! rounding. A component that changes by less than the tolerance of its size is not estimated: no step need
+//! be shorter for it, for any H.
 //!
-//! A component that may be off by more or less than the tolerance of its motion (`rtol`, `atol`) has its est
-//! divided by how many times as much that is, that of the flow along with it.
+//! If the admissible error of a component differs from the tolerance of its change (`rtol`, `atol`), its
+//! estimate is divided by the ratio of both, together with the factor of the flow.
 //!
-//! Of a step that is longer than allowed the coefficients are taken less so many times what rounding makes
-//! of the derivatives ([`Decay::estimate`]): where a stiff spring is near its length, far from the origin,
-//! and along a smooth chain, ∇H has few digits, and shorter steps have no more of them (docs/adr/0024).
+//! If a step is longer than allowed, a multiple of the rounding error of the derivatives is subtracted from
+//! its coefficients ([`Decay::estimate`]). Near the rest length of a stiff spring, far from the origin, and
+//! along a smooth chain, ∇H has few correct digits, and shorter steps do not give more of them
+//! (docs/adr/0024).
 //!
-//! The same coefficients tell where the motion gets faster. By least squares γ_k ≈ w γ_{k−1}; if what limits
-//! the convergence is a singularity on the axis of time, w = 1/ρ and it lies at half a step divided by 1/z =
-//! 2w/(1 + w²) from the middle of the step, ahead if w > 0, behind if w < 0 (Bernstein ellipses). Of the last
-//! two w the smaller one counts, and none if they differ in sign, as those of an oscillation do, which gets
-//! no faster anywhere.
+//! The same coefficients show whether the motion accelerates. By least squares γ_k ≈ w γ_{k−1}. If a
+//! singularity on the real axis of time limits the convergence, w = 1/ρ, and its distance from the middle of
+//! the step is half a step divided by 1/z = 2w/(1 + w²); it lies ahead if w > 0, behind if w < 0 (Bernstein
+//! ellipses). The smaller one of the last two w is used, and none if their signs differ. The signs of an
+//! oscillation differ, and an oscillation does not accelerate.
 //!
 //! Cost: s² n multiplications, and ∇H at the end of the step.
 
@@ -52,31 +57,31 @@ use equip_scalar::{Float, InstructionSet, mix_stages};
 use equip_solver::{State, stride_for};
 use equip_tableau::{Coefficients, legendre_at};
 
-/// What a step may be off in each component: relative to its motion in the step, and beside that.
+/// The admissible error of each component: relative to its change over the step, and absolute.
 #[derive(Debug, Clone)]
 pub(crate) struct Allowed<T> {
     pub(crate) relative: Vec<T>,
     pub(crate) absolute: Vec<T>,
 }
 
-/// What the coefficients of a step say.
+/// The result of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Estimate {
-    /// ϱ: to the power 2s it is the error of the end point relative to what is allowed if the tolerance is 1.
+    /// ϱ. For the tolerance 1, ϱ^{2s} is the error of the end point relative to the admissible error.
     pub(crate) decay: f64,
-    /// 1/z: half a step divided by the signed distance from its middle to what the motion is about to meet,
-    /// or leaves behind; within ±1.
+    /// 1/z: half a step divided by the signed distance from its middle to a singularity ahead or behind;
+    /// within ±1.
     pub(crate) nearness: f64,
-    /// The largest part of the motion of a component that its s coefficients do not have.
+    /// The largest relative part of the change of a component that its s coefficients do not represent.
     pub(crate) rest: f64,
 }
 
-/// An end of a step: its start, or its end.
+/// The start or the end of a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct End<'a, T> {
-    /// ∇H there.
+    /// ∇H at this end.
     pub(crate) gradient: &'a [T],
-    /// Whether it is that a little within the step, at [`Decay::inset`].
+    /// Whether the gradient is evaluated slightly within the step, at [`Decay::inset`].
     pub(crate) is_inset: bool,
 }
 
@@ -87,32 +92,33 @@ pub(crate) struct Decay<T: Float> {
     /// The degree of the method.
     s: usize,
     stride: usize,
-    /// The first so many positions and momenta are judged.
+    /// The number of positions, and of momenta, that are estimated: the first ones.
     m: usize,
     tolerance: T,
-    /// None if the tolerance of its motion is allowed of every component.
+    /// `None` if the admissible error of every component is the tolerance of its change.
     allowed: Option<Allowed<T>>,
-    /// ϱ of each component and the factor a by which it counts: a^{2s} is the tolerance of its motion over
-    /// what it is allowed. Empty if a is 1 for all.
+    /// ϱ of each component and its factor a: a^{2s} is the tolerance of its change divided by the admissible
+    /// error. Empty if a = 1 for all components.
     rates: Vec<[f64; 2]>,
     /// P_k(c_i) at i·stride + k.
     legendre: Vec<T>,
     /// h γ_k of component c at c·stride + k.
     coefficients: Vec<T>,
-    /// Units of the components.
+    /// The units of the components.
     units: Vec<T>,
-    /// 1 over them, zero for those that do not move.
+    /// The inverse units, zero for components that do not move.
     inverse_units: Vec<T>,
     /// √(2k + 1) = P_k(1), and P_k(1 − η), for k < s.
     at_end: [Vec<T>; 2],
 }
 
-/// η s²: within η of an end of a step a polynomial of degree s + 1 is what it is there to some 6 %.
+/// η s². Within η of an end of the step, a polynomial of degree s + 1 differs from its value at the end by
+/// about 6 %.
 const INSET: i64 = 16;
 
 impl<T: Float> Decay<T> {
-    /// Of states with n components, of which the first `m` positions and momenta are judged: how long a step
-    /// may be is no matter of the time it is made at.
+    /// For states with n components, of which the first `m` positions and momenta are estimated. Time, if it
+    /// is a component, does not limit the step.
     pub(crate) fn new(
         method: &Coefficients<T>,
         (n, m): (usize, usize),
@@ -149,13 +155,14 @@ impl<T: Float> Decay<T> {
         }
     }
 
-    /// η: where on a switch H has another derivative on the other side, it is taken at η or 1 − η.
+    /// η: if an end of the step is on a switch, the derivative is evaluated at η or 1 − η, since ∇H may
+    /// differ on the other side.
     pub(crate) fn inset(&self) -> T {
         inset(self.s)
     }
 
-    /// The estimate for the step of size `h` from `y` with these L, component c of stage i at c·stride + i,
-    /// and its two ends. What is within the `rounding` of ∇H, where that is known, is none of the motion.
+    /// The estimate for the step of size `h` from `y`, with its two ends and these L, component c of stage i
+    /// at c·stride + i. Differences within the `rounding` of ∇H, if it is given, do not count as motion.
     pub(crate) fn estimate(
         &mut self,
         (y, h): (&State<T>, T),
@@ -204,9 +211,9 @@ impl<T: Float> Decay<T> {
         }
     }
 
-    /// Sizes of the coefficients of component c in units of its motion, which are left behind; none if they
-    /// are not finite. `y` is it at the start of the step, `largest` the largest of its group, `ends` are h f
-    /// there and at the end, `noise` is the rounding of h f.
+    /// The sizes of the coefficients of component c in units of its change; these units are stored. `None` if
+    /// the sizes are not finite. `y` is the component at the start of the step, `largest` the largest one of
+    /// its group, `ends` are h f at the start and at the end, `noise` is the rounding of h f.
     fn sizes(
         &mut self,
         c: usize,
@@ -244,7 +251,7 @@ impl<T: Float> Decay<T> {
         Some(sizes)
     }
 
-    /// (tolerance of the motion of component c / what it is allowed)^{1/2s}.
+    /// (tolerance of the change of component c / its admissible error)^{1/2s}.
     fn share(&self, c: usize) -> f64 {
         let allowed = (self.allowed(c) * self.inverse_units[c] / self.tolerance).to_f64();
         if allowed > 0.0 {
@@ -254,8 +261,8 @@ impl<T: Float> Decay<T> {
         }
     }
 
-    /// ϱ of the step estimated last, `rho` by itself, where what it missed grows to the end by `flow`, the
-    /// Φ_s^{1/s} of its flow.
+    /// ϱ of the last estimate, `rho` by the motion alone, if errors grow until the end of the step by `flow`,
+    /// the Φ_s^{1/s} of its flow.
     pub(crate) fn with_flow(&self, rho: f64, flow: f64) -> f64 {
         let with = |rho: f64| (rho * (flow * flow + rho * rho).sqrt()).sqrt();
         match &self.allowed {
@@ -266,13 +273,14 @@ impl<T: Float> Decay<T> {
         }
     }
 
-    /// Whether what a step misses is rounding, or the tolerance is.
+    /// Whether the unresolved part of the step, or the tolerance, is rounding.
     pub(crate) fn is_rounding(&self, estimate: &Estimate) -> bool {
         estimate.rest.min(self.tolerance.to_f64()) <= NOISE * T::EPSILON.to_f64()
     }
 
-    /// The directions in which the step estimated last leaves its polynomial, h γ_{s−2} + h γ_{s−1} of the
-    /// components that are judged, zero of others, into `out`: of two neighbours one may vanish.
+    /// Writes an approximation of the residual of the polynomial, h γ_{s−2} + h γ_{s−1} of the estimated
+    /// components and zero for others, to `out`. It has two terms because one of two successive coefficients
+    /// may vanish.
     pub(crate) fn defect(&self, out: &mut [T]) {
         for (c, (out, &unit)) in out.iter_mut().zip(&self.inverse_units).enumerate() {
             let row = &self.coefficients[c * self.stride..][..self.s];
@@ -285,14 +293,14 @@ impl<T: Float> Decay<T> {
         }
     }
 
-    /// The largest component of `x` in units of the motion of the step estimated last.
+    /// The largest component of `x` in the units of the last estimate.
     pub(crate) fn in_units(&self, x: &[T]) -> f64 {
         let sizes = x.iter().zip(&self.inverse_units);
         sizes.fold(0.0, |most, (&x, &unit)| most.max((x * unit).abs().to_f64()))
     }
 
-    /// An error of component c of the step estimated last, in tolerances: 1 is allowed. None is of components
-    /// that are not judged.
+    /// The error of component c of the last step, relative to its admissible error. Zero for components that
+    /// are not estimated.
     pub(crate) fn in_tolerances(&self, c: usize, error: T) -> f64 {
         let is_judged = c % (self.units.len() / 2) < self.m;
         if !is_judged || error == T::int(0) {
@@ -301,7 +309,7 @@ impl<T: Float> Decay<T> {
         (error / self.allowed(c)).to_f64().abs()
     }
 
-    /// What the step estimated last may be off in component c.
+    /// The admissible error of component c in the last step.
     fn allowed(&self, c: usize) -> T {
         match &self.allowed {
             Some(allowed) => allowed.relative[c] * self.units[c] + allowed.absolute[c],
@@ -309,7 +317,8 @@ impl<T: Float> Decay<T> {
         }
     }
 
-    /// h γ_s and h γ_{s+1}, by what the polynomial with these coefficients is off at both ends of the step.
+    /// h γ_s and h γ_{s+1}, from the residual of the polynomial with these coefficients at both ends of the
+    /// step.
     fn beyond(&self, row: &[T], ends: [T; 2], is_inset: [bool; 2]) -> [T; 2] {
         let s = self.s;
         let at_end = |k: usize| T::int(2 * k as i64 + 1).sqrt();
@@ -331,8 +340,8 @@ impl<T: Float> Decay<T> {
         [first / at_end(s), second / at_end(s + 1)]
     }
 
-    /// 1/z from the last two ratios w of coefficients, the smaller one, and none if they differ in sign;
-    /// positions and momenta each in units of the one that moves most.
+    /// 1/z from the smaller one of the last two ratios w of coefficients, zero if their signs differ.
+    /// Positions and momenta are each in units of the component that changes most.
     fn nearness(&self) -> f64 {
         let half = self.inverse_units.len() / 2;
         let units = [0, half].map(|from| {
@@ -364,7 +373,7 @@ impl<T: Float> Decay<T> {
     }
 }
 
-/// η with s stages.
+/// η for a method of degree s.
 fn inset<T: Float>(s: usize) -> T {
     T::ratio(1, INSET * (s * s) as i64)
 }

@@ -1,22 +1,23 @@
-//! A size to begin with, before there is a step to judge by.
+//! The size of the first step, before any step has been estimated.
 //!
-//! Between 1/64 of it and the whole of the time in which the motion turns into another, the shorter one of
-//! positions and momenta. With f = y', f' = A f and f'' = A² f at the start, A = ∂f/∂y, that is the root t of
+//! The first size lies between 1/64 of the turning time and the turning time, the time in which the motion
+//! changes direction; the shorter one of positions and momenta counts. With f = y', f' = A f and f'' = A² f
+//! at the start, A = ∂f/∂y, the turning time is the root t of
 //!
 //! $$ \lVert f'' \rVert t^2 = \lVert f \rVert + \lVert f' \rVert t . $$
 //!
-//! A turning point, where f vanishes, and a passage through the centre, where f' does, have the same t.
-//! Where A² f vanishes, as in a free fall, it is ‖f‖/‖f'‖. Coordinates, whose origin is arbitrary, choose
-//! within these bounds only: 1/10 of the time in which the state would move by its own size, |y|/|f| and
-//! √(|y|/|f'|). The first step is then tried at longer or shorter sizes until its error fits, up to four such
-//! times: the error of a free fall is zero for any size, and a step far beyond an event leaves its root the
-//! rounding of the whole step.
+//! At a turning point, where f vanishes, and at a passage through the centre, where f' vanishes, t is the
+//! same. If A² f vanishes, as in a free fall, t = ‖f‖/‖f'‖. Coordinates have an arbitrary origin, so they
+//! choose within these bounds only: 1/10 of the time in which the state would change by its own size, |y|/|f|
+//! and √(|y|/|f'|). The first step is then tried with other sizes, up to four turning times, until its error
+//! fits. The bound is needed because the error of a free fall is zero for any size, and after a step far
+//! beyond an event its root has the rounding error of the whole step.
 
 use crate::control::policy::{MOST_CHANGE, SHORT};
 use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 
-/// Workspace for it.
+/// Workspace for the first size.
 #[derive(Debug)]
 pub(crate) struct FirstSize<T> {
     f: Vec<T>,
@@ -34,7 +35,7 @@ impl<T: Float> FirstSize<T> {
         }
     }
 
-    /// Size of the first try from `y`, 1 where nothing moves, and that of the longest.
+    /// The size of the first attempt from `y`, 1 if nothing moves, and the largest size of the first step.
     pub(crate) fn sizes(&mut self, energy: &mut Evaluator<T>, y: &[T]) -> [f64; 2] {
         let n = y.len();
         let FirstSize { f, second, third } = self;
@@ -78,9 +79,9 @@ impl<T: Float> FirstSize<T> {
     }
 }
 
-/// The root t of c t² = a + b t; infinite where nothing moves or c is zero.
+/// The root t of c t² = a + b t; infinite if nothing moves or c = 0.
 fn turning_time([a, b, c]: [f64; 3]) -> f64 {
-    // In units of the largest: squares of what is far from 1 leave the range.
+    // Scaled by the largest coefficient, since squares may overflow or underflow.
     let unit = a.max(b).max(c);
     if !(unit > 0.0 && unit.is_finite()) {
         return f64::INFINITY;

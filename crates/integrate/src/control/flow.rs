@@ -1,31 +1,31 @@
-//! How what a step has missed grows on the way to its end.
+//! How the residual of a step grows until the end of the step.
 //!
-//! The motion leaves the polynomial of a step by γ_s P_s + …; to the end point that is passed by what the
-//! flow's derivative Φ along the step is orthogonal to polynomials of degree below s, with
+//! The motion leaves the polynomial of a step by γ_s P_s + …. This residual affects the end point through the
+//! component of the flow's derivative Φ along the step that is orthogonal to polynomials of degree below s:
 //!
 //! $$ \Phi_s = \sqrt{2s+1}\, \frac{(z/2)^s}{(2s+1)!!} , \qquad
 //!    z^2 = \frac{\lVert (h J \nabla^2 H)^2 d \rVert}{\lVert d \rVert} , $$
 //!
-//! d being what it leaves it by. Of a free oscillator Φ_s is the ϱ^s by which the motion itself decays
-//! ([`crate::control::estimate`]). Where a system is pushed slower than it would swing it is more, and what
-//! is extrapolated from the motion alone is 10² to 10⁶ times too small. Where ∇²H turns with the motion, as
-//! on a circle, Φ turns by both. Φ_s^{1/s} is proportional to z, so that with both
+//! Here d is the residual. For a free oscillator Φ_s = ϱ^s, the decay of the motion itself
+//! ([`crate::control::estimate`]). If a system is driven more slowly than it oscillates, Φ_s is larger, and
+//! an extrapolation from the motion alone is too small by a factor of 10² to 10⁶. If ∇²H rotates with the
+//! motion, as on a circle, Φ contains both. Φ_s^{1/s} is proportional to z, so with both
 //!
 //! $$ \mathrm{est} = \varrho^s \big( \varrho^2 + \Phi_s^{2/s} \big)^{s/2} . $$
 //!
-//! Fixed-point iterations contract by z over 1.33 s + 0.7, twice which bounds z: where steps are no longer
-//! than iterations cost least for, Φ_s is below what the tolerance asks for, and nothing is evaluated.
+//! The contraction of the fixed-point iteration is z/(1.33 s + 0.7); twice this expression bounds z. If steps
+//! are no longer than the size with the least work, Φ_s is below the tolerance, and nothing is evaluated.
 //!
-//! Nothing is made of rounding, nor for tolerances that are rounding.
+//! Φ_s is not computed from coefficients that are rounding, nor for tolerances at round-off level.
 //!
-//! Cost: two products with ∇²H, of steps that fixed-point iteration does not solve, or slowly.
+//! Cost: two products with ∇²H, for steps that fixed-point iteration solves slowly or not at all.
 
 use crate::control::estimate::Decay;
 use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 use equip_scalar::power::power;
 
-/// Workspace for it.
+/// Workspace for Φ_s.
 #[derive(Debug)]
 pub(crate) struct Flow<T> {
     s: usize,
@@ -34,7 +34,7 @@ pub(crate) struct Flow<T> {
 }
 
 impl<T: Float> Flow<T> {
-    /// Of steps with s stages of states with n components.
+    /// For steps with s stages and states with n components.
     pub(crate) fn new(s: usize, n: usize) -> Self {
         let zeros = || vec![T::int(0); n];
         Flow {
@@ -44,7 +44,7 @@ impl<T: Float> Flow<T> {
         }
     }
 
-    /// Φ_s^{1/s} of the step of size `h` to `y` that was estimated last; zero where it is not finite.
+    /// Φ_s^{1/s} of the last estimated step, of size `h`, which ends at `y`; zero if it is not finite.
     pub(crate) fn decay(
         &mut self,
         energy: &mut Evaluator<T>,
@@ -62,13 +62,13 @@ impl<T: Float> Flow<T> {
         if z.is_finite() { self.of(z) } else { 0.0 }
     }
 
-    /// No less than that, by the contraction of the iterations of the step.
+    /// An upper bound of Φ_s^{1/s} from the contraction of the iterations of the step.
     pub(crate) fn most(&self, contraction: f64) -> f64 {
         let s = self.s as f64;
         self.of(2.0 * (1.33 * s + 0.7) * contraction)
     }
 
-    /// Φ_s^{1/s}, at most 1: faster motion is passed over.
+    /// Φ_s^{1/s} for this z, at most 1, since faster motion is not resolved.
     fn of(&self, z: f64) -> f64 {
         let factors = (1..=self.s).map(|j| z / 2.0 / (2 * j + 1) as f64);
         let product = factors.product::<f64>() * ((2 * self.s + 1) as f64).sqrt();

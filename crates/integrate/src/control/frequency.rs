@@ -1,18 +1,18 @@
-//! The fastest motion at a state, ω = max |λ(J∇²H)|, by [`PowerIteration`].
+//! The largest frequency at a state, ω = max |λ(J∇²H)|, by [`PowerIteration`].
 //!
-//! Gauss's method turns an oscillation by an angle that is off by about
+//! The phase error of the Gauss method for an oscillation is about
 //!
 //! $$ \frac{(s!)^2}{(2s)!\,(2s+1)!} (h\omega)^{2s+1} $$
 //!
-//! in each step. Steps resolve hω up to s, where that is 0.04, 0.01, 5e-4 for s = 2, 4, 8.
+//! per step. Steps resolve hω up to s, where the phase error is 0.04, 0.01, 5e-4 for s = 2, 4, 8.
 //!
-//! Cost: one Hessian, and the iteration.
+//! Cost: one Hessian, and the power iteration.
 
 use equip_autodiff::{Evaluator, Hamiltonian, Pattern};
 use equip_scalar::Float;
 use equip_solver::PowerIteration;
 
-/// The pattern of ∇²H, and room to work with it, which is made when it is first needed.
+/// The pattern of ∇²H, and workspace that is allocated on first use.
 #[derive(Debug)]
 pub(crate) struct Frequency<T> {
     pattern: Pattern,
@@ -29,7 +29,7 @@ impl<T: Float> Frequency<T> {
         }
     }
 
-    /// ω at `y`, per unit of time; 0 if nothing bends the motion or ∇²H is not finite.
+    /// ω at `y`, per unit of time; 0 for free motion, or if ∇²H is not finite.
     pub(crate) fn at(&mut self, energy: &mut Evaluator<T>, y: &[T]) -> f64 {
         self.entries.resize(self.pattern.len(), T::int(0));
         energy.hessian(y, &mut self.entries);

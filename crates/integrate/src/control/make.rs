@@ -1,4 +1,4 @@
-//! What a step that was not found is called outside.
+//! Steps with errors in the form that a run returns.
 
 use crate::control::escape::escapes;
 use crate::error::IntegrateError;
@@ -6,7 +6,7 @@ use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Failure, Outcome, State};
 
-/// Whether a gradient written by hand is that of H at `y`, at time `t`.
+/// Checks a user-supplied gradient against H at `y` and time `t`.
 pub(crate) fn check_gradient<T: Float>(
     energy: &mut Evaluator<T>,
     t: T,
@@ -25,7 +25,7 @@ pub(crate) fn check_gradient<T: Float>(
     })
 }
 
-/// One step of size `h` from `y` at time `t` into `next`.
+/// One step of size `h` from `y` at time `t` to `next`.
 pub(crate) fn make_step<T: Float>(
     core: &mut Core<T>,
     (y, t, h): (&State<T>, T, T),
@@ -35,7 +35,7 @@ pub(crate) fn make_step<T: Float>(
         .map_err(|failure| error_of(core, failure))
 }
 
-/// The α_k of that step, if they were deferred.
+/// Computes the α_k of that step if they were deferred.
 pub(crate) fn complete_step<T: Float>(
     core: &mut Core<T>,
     (y, t, h): (&State<T>, T, T),

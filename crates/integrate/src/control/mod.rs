@@ -1,4 +1,4 @@
-//! Sizes of the next step.
+//! Step control: the sizes of steps.
 
 pub(crate) mod controller;
 pub(crate) mod escape;

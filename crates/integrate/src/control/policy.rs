@@ -1,67 +1,71 @@
-//! Tuned constants of runs, each with the figure that chose it.
+//! Tuned constants of runs, each with the figure that decided its value.
 
-/// Aim below the tolerance, and below a target. // ratio; with 0.95 errors of a revolution (Kepler, 18
-/// settings) go up to 7.1 tolerances from 5.4.
+/// The step controller and the search for a step aim at this fraction of the tolerance or target. // ratio;
+/// with 0.95 the errors after one revolution (Kepler, 18 settings) rise from 5.4 to 7.1 tolerances.
 pub(crate) const SAFETY: f64 = 0.9;
-/// Estimates up to this many tolerances are accepted: the size is within 19 % (s = 4), 9 % (s = 8) of what it
-/// should be. // ratio; with 10 80 of 2480 steps are refused in place of 118 (Kepler, e = 0.9, s = 8, 1e-12),
-/// and the error after 100 revolutions is 1.2e-11 in place of 3.8e-12.
+/// Estimates up to this many tolerances are accepted. The size is then within 19 % (s = 4) or 9 % (s = 8) of
+/// the right one. // ratio; with 10, 80 of 2480 steps are rejected instead of 118 (Kepler, e = 0.9, s = 8,
+/// 1e-12), and the error after 100 revolutions is 1.2e-11 instead of 3.8e-12.
 pub(crate) const ACCEPTED: f64 = 4.0;
-/// A size is foretold from an error, and from what limits the motion, at most so many times as long or as
-/// short, and the first step is at most so many times as long as the motion takes to turn. // ratio; 7100
-/// runs of 30 systems from random starts take .2 % fewer gradients with 2 and 3, and have .77 and .97 of the
-/// error; growing by up to 1000 takes 1 % more and has 1.05 times the error; docs/adr/0005
+/// The largest ratio of successive sizes, in both directions, whether it follows from an error or from a
+/// singularity. The first step is at most this many turning times. // ratio; 7100 runs of 30 systems from
+/// random initial states take .2 % fewer gradients with 2 and 3, with .77 and .97 times the error; growth by
+/// up to 1000 takes 1 % more gradients, with 1.05 times the error; docs/adr/0005
 pub(crate) const MOST_CHANGE: f64 = 4.0;
-/// Contraction, per power of the step size, at which iterations cost least for the time they cover: twice the
-/// size takes three times the iterations, as the start is foretold worse, and the α_k that remove a larger
-/// defect disturb the stages more. // ratio; 228 runs of 19 systems take as many gradients to 5 % from 0.041
-/// to 0.058; docs/adr/0005
+/// The contraction, per power of the step size, with the least work per unit of time. Twice the size takes
+/// three times the iterations, since the initial guess is worse and the α_k that remove a larger energy error
+/// change the stages more. // ratio; for 228 runs of 19 systems the number of gradients varies by 5 % from
+/// 0.041 to 0.058; docs/adr/0005
 pub(crate) const CHEAPEST: f64 = 0.045;
-/// A tolerance that allows steps so many times as long as fixed-point iterations are made for asks for
-/// Newton's method. // ratio; the same runs are alike with 32 to 1e6, and have 2.4 times the error for as
-/// many gradients with 8; with 128 fast motion below `atol` takes 24 times the gradients
+/// If a tolerance allows steps this many times as long as those with the least work by fixed-point iteration,
+/// Newton's method is used. // ratio; the same runs are alike with 32 to 1e6, and have 2.4 times the error
+/// for as many gradients with 8; with 128 fast motion below `atol` takes 24 times the gradients
 pub(crate) const NEWTON: f64 = 32.0;
-/// Contractions above this may be those of motion that steps do not resolve. // ratio; at hω = s fixed-point
-/// iterations contract by .5 and more; 2 of 300 random problems had hω beyond s unseen without it.
+/// A contraction above this may belong to motion that the steps do not resolve. // ratio; at hω = s the
+/// contraction of the fixed-point iteration is .5 and more; without it 2 of 300 random problems had
+/// undetected hω > s.
 pub(crate) const SLOW: f64 = 0.25;
-/// Coefficients of so many ε of the largest are rounding, and no end of a decay. // ε; with 0 runs of 5 of 10
-/// scenes do not come on with 12 stages and a tolerance of 1e-15.
+/// Coefficients of at most this many ε of the largest are rounding; they are not the end of a decay. // ε;
+/// with 0 runs of 5 of 10 scenes with 12 stages and a tolerance of 1e-15 make no progress.
 pub(crate) const NOISE: f64 = 1024.0;
-/// Tries of whatever is tried again: of a first step, of a step up to switches, of a size that meets a rule
-/// or a target, of a root. // tries; 7100 runs of 30 systems from random starts are the same with 12 and 50
+/// The maximum number of attempts: for a first step, a step up to switches, a size that meets a rule or a
+/// target, a root. // attempts; 7100 runs of 30 systems from random initial states are the same with 12 and
+/// 50
 pub(crate) const MOST_TRIES: u32 = 25;
 /// A small part of a step is one over this. // ratio; the same runs take as many gradients to .1 % with 64;
 /// with 4 they do not end in four times the time
 pub(crate) const PART: i64 = 16;
-/// Sizes and times within so many units of the last place are the same, and slopes within so many times the
-/// running error bound of ∇H. // ε; 24 runs of stiff springs and of bodies 10⁸ from the origin, with 0, 1, 4
-/// and 16 times the bound: 19, 0, 0 and 0 do not come on; docs/adr/0024
+/// Sizes and times within this many units of the last place are equal, and vector field values within this
+/// many times the running error bound of ∇H. // ε; of 24 runs of stiff springs and of bodies 10⁸ from the
+/// origin, 19, 0, 0 and 0 make no progress with 0, 1, 4 and 16 times the bound; docs/adr/0024
 pub(crate) const ROUNDING: i64 = 16;
-/// A step that meets the first knot of a table within one over this of its size is halved before it is made
-/// to end there, until it would be so many times as short: many knots are passed over by steps that are not.
-/// // ratio; docs/adr/0017
+/// A step that meets the first knot of a table within one over this of its size is halved before it is
+/// shortened to end at the knot, until it is this many times as short: steps that are not shortened further
+/// pass over many knots. // ratio; docs/adr/0017
 pub(crate) const SOON: i64 = 8;
-/// Force or speed that has grown by this factor nears a singularity, and sizes that control goes down to are
-/// at least one over this of those that fixed steps fail with. // ratio; of a pericentre e = 0.9 it is 361,
-/// of what stops steps at the resolution of time 1e10 and more; with 16 three stages at 1e-12 on U = −q⁶ end
-/// at a singularity.
+/// A force or speed that has grown by this factor indicates a singularity. Step control gives up at sizes
+/// down to one over this of those at which fixed steps fail. // ratio; at a pericentre with e = 0.9 the
+/// growth is 361; where steps reach the resolution of time it is 1e10 and more; with 16 three stages at 1e-12
+/// on U = −q⁶ end with the error of a singularity.
 pub(crate) const GROWN: i64 = 1000;
-/// A motion whose |q| grows by a factor e in so many steps of the size that fails escapes. // steps
+/// A motion escapes if |q| grows by a factor e within this many steps of the size that fails. // steps
 pub(crate) const ESCAPING: i64 = 4;
-/// A round-off level beyond one over this of the energies makes "kept" an empty word. // ratio; of resolved
-/// motion in doubles are below 1e-12, and where 10⁹ times as much as is left cancels within H, 1e-6.
+/// If the round-off level exceeds one over this of the energies, conservation to round-off is meaningless. //
+/// ratio; for resolved motion in `f64` the level is below 1e-12 of the energies; where terms 10⁹ times as
+/// large as H cancel it is 1e-6.
 pub(crate) const MOST_ROUND_OFF: i64 = 1_000_000;
-/// A trial whose error is the target over no more than this will do. // ratio
+/// A trial ends the search if its error is between the target over this and the target. // ratio
 pub(crate) const GOOD_ENOUGH: i64 = 8;
-/// Parts of a step shorter than one over this may have event functions that are noise, and the first try is
-/// at least such a part of the time in which the motion turns. // ratio; the same runs alike with 16 and 256
+/// In parts of a step shorter than one over this, event functions may be noise. The first step is at least
+/// this part of the turning time. // ratio; the same runs are alike with 16 and 256
 pub(crate) const SHORT: i64 = 64;
-/// H is compared on both sides of a switch at one over this of a step from it. // ratio; at tolerance 1e-4
-/// the end of a step is 1e-7 of it from the switch; jumps are told that are 1e-5 of what H bends by in one.
+/// H is compared on both sides of a switch at a distance of one over this of a step. // ratio; at tolerance
+/// 1e-4 the end of a step is 1e-7 of the step away from the switch; jumps down to 1e-5 of the second-order
+/// change of H in a step are detected.
 pub(crate) const BESIDE: i64 = 1 << 16;
-/// In the mean over time of an energy the last part of a run counts so many times as much as in the plain
-/// mean. // ratio; the first half of a run has 1/256 of the weight, with 4 in its place 1/16
+/// In the time average of an energy the last part of a run has this many times the weight that it has in the
+/// plain average. // ratio; the first half of a run has 1/256 of the weight, with 4 1/16
 pub(crate) const RECENT: i64 = 8;
-/// An error of the energy at the end of a run of so many round-off levels of its last step is of that level.
-/// // levels; errors of steps just conserved are at most 8
+/// An energy error at the end of a run of at most this many round-off levels of its last step is at the
+/// round-off level. // levels; errors of steps that have just conserved H are at most 8
 pub(crate) const STALE_LEVELS: i64 = 64;

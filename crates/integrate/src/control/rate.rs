@@ -1,17 +1,17 @@
-//! The rate ϱ at which the Legendre coefficients of a component decay, by the sizes of a few of them; the
-//! formulas are those of control/estimate.rs.
+//! The rate ϱ at which the Legendre coefficients of a component decay, from the sizes of a few of them. The
+//! formulas are in control/estimate.rs.
 //!
-//! The step has the largest ϱ of its components. Whether that of a further component is larger is a
-//! comparison of powers: roots are computed only of those that are.
+//! ϱ of the step is the largest ϱ of its components. Whether a further component has a larger ϱ is decided by
+//! comparing powers; roots are computed only if it has.
 
 use equip_scalar::power::{exp2, log2, power};
 
-/// Sizes of coefficients of one component, in units of its motion.
+/// The sizes of the coefficients of one component, in units of its change.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sizes {
     /// |γ_1|.
     pub(crate) second: f64,
-    /// |γ_{s−2}|, of at least degree 1.
+    /// |γ_{s−2}|, but at least of degree 1.
     pub(crate) before: f64,
     /// |γ_{s−1}|.
     pub(crate) last: f64,
@@ -19,7 +19,7 @@ pub(crate) struct Sizes {
     pub(crate) next: f64,
     /// g, the larger one of |γ_s| and |γ_{s+1}|.
     pub(crate) tail: f64,
-    /// Whether g is more than rounding, and than the tolerance.
+    /// Whether g exceeds rounding and the tolerance.
     pub(crate) has_tail: bool,
 }
 
@@ -33,13 +33,13 @@ pub(crate) struct Rate {
 }
 
 impl Rate {
-    /// Of no component, with s ≥ 2 stages.
+    /// No component yet; s ≥ 2.
     pub(crate) fn new(s: usize) -> Self {
         let (largest, powers) = (0.0, [0.0; 3]);
         Rate { s, largest, powers }
     }
 
-    /// A further component; of one that is not finite the sizes are none.
+    /// Includes a further component; `None` if its coefficients are not finite.
     pub(crate) fn raise(&mut self, sizes: Option<&Sizes>) {
         let Some(x) = sizes else {
             self.largest = f64::INFINITY;
@@ -60,7 +60,7 @@ impl Rate {
             self.raise_to(exp2(first.min(decays)));
         }
         if x.has_tail {
-            // Of two coefficients one may vanish: 92 of 2400 steps are refused in place of 450.
+            // Two coefficients, since one may vanish: 92 of 2400 steps are rejected instead of 450.
             let r = (x.tail / x.last).min((x.tail / x.before).sqrt()).min(1.0);
             let error = x.tail / (x.second / r).max(1.0) * whole(r, self.s);
             let last = self.powers[2];
@@ -120,7 +120,7 @@ mod tests {
         }
     }
 
-    /// Even and odd motions, in which every other coefficient is zero, and motion that is none.
+    /// Even and odd motions, in which every other coefficient is zero, and no motion.
     #[test]
     fn coefficients_that_vanish() {
         let zero = Sizes {

@@ -1,10 +1,10 @@
-//! Why no step above the smallest size could be made.
+//! Why no step above the smallest size is possible.
 //!
-//! Whether a singularity is near is told by how much the force or the speed, the largest component of ∂H/∂q
-//! or of ∂H/∂p, has grown since the run began; whether it is that of a motion which runs away to infinity, by
-//! [`escapes`], as with fixed steps.
+//! A singularity is near if the force or the speed, the largest component of ∂H/∂q or of ∂H/∂p, has grown by
+//! a large factor since the run began. As with fixed steps, [`escapes`] decides whether the motion runs away
+//! to infinity.
 //!
-//! Cost: four gradients, after a run has come to its end.
+//! Cost: at most three gradients, at the end of a run.
 
 use crate::control::escape::escapes;
 use crate::control::policy::{GROWN, ROUNDING};
@@ -12,21 +12,21 @@ use crate::error::IntegrateError;
 use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 
-/// A step that is too small to be made.
+/// A step below the smallest size.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TooSmall<T> {
-    /// Time at its start.
+    /// The time at its start.
     pub(crate) time: T,
-    /// Its size, with its sign.
+    /// Its signed size.
     pub(crate) h: T,
-    /// Smallest step, and tolerance, as they were given.
+    /// The smallest step and the tolerance of the options.
     pub(crate) min: T,
     pub(crate) tolerance: T,
 }
 
 impl<T: Float> TooSmall<T> {
-    /// The error of a run that came from the state `start` and stands at `y`. `cause` is why the last step
-    /// tried was not found, if it was not.
+    /// The error of a run that began at the state `start` and has reached `y`. `cause` is the failure of the
+    /// last attempt, if it failed.
     pub(crate) fn error(
         self,
         energy: &mut Evaluator<T>,
@@ -49,7 +49,7 @@ impl<T: Float> TooSmall<T> {
     }
 }
 
-/// How many times as large the force or the speed is at `y` as it is at `start`, whichever has grown more.
+/// The growth of the force or of the speed from `start` to `y`, whichever is larger.
 fn growth<T: Float>(energy: &mut Evaluator<T>, start: &[T], y: &[T]) -> T {
     let m = y.len() / 2;
     let mut sizes = |y: &[T]| {

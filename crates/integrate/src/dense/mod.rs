@@ -1,4 +1,4 @@
-//! The state between the ends of a step.
+//! Dense output: the state between the ends of a step.
 
 mod numbers;
 pub(crate) mod piece;

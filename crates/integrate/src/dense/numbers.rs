@@ -1,9 +1,9 @@
-//! A [`Trajectory`] as numbers, and back.
+//! A [`Trajectory`] as a list of numbers, and back.
 //!
-//! | numbers | what |
+//! | numbers | content |
 //! |---|---|
 //! | 4 | m, components n of a state as it is integrated, number of pieces, end |
-//! | | for each piece: time, what rounding lost of it, h, coefficients per component; y0, what rounding lost of y0, coefficients, y1 |
+//! | | for each piece: time, its rounding remainder, h, coefficients per component; y0, its rounding remainder, coefficients, y1 |
 
 use crate::dense::piece::Piece;
 use crate::dense::polynomial::Polynomial;
@@ -12,11 +12,11 @@ use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 use equip_solver::{MAX_STAGES, State};
 
-/// Numbers before the first piece, and before the states of each piece.
+/// The length of the head of the list, and of each piece.
 const HEAD: usize = 4;
 
 impl<T: Float> Trajectory<T> {
-    /// All that the trajectory consists of: [`from_numbers`](Self::from_numbers) makes it again.
+    /// The trajectory as numbers, for [`from_numbers`](Self::from_numbers).
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -48,8 +48,7 @@ impl<T: Float> Trajectory<T> {
         numbers
     }
 
-    /// The trajectory of which [`to_numbers`](Self::to_numbers) made these; `None` if they are those of no
-    /// trajectory.
+    /// The trajectory with these [`to_numbers`](Self::to_numbers); `None` if there is none.
     pub fn from_numbers(numbers: &[T]) -> Option<Self> {
         if !numbers.iter().all(|x| x.is_finite()) {
             return None;
@@ -57,7 +56,7 @@ impl<T: Float> Trajectory<T> {
         let (head, mut rest) = numbers.split_first_chunk::<HEAD>()?;
         let [m, n, count] = [head[0], head[1], head[2]].map(whole);
         let (m, n, count, end) = (m?, n?, count?, head[3]);
-        // Time and its momentum are components as well where H depends on time.
+        // If H depends on time, time and its momentum are components as well.
         if m == 0 || (n != 2 * m && n != 2 * m + 2) {
             return None;
         }
@@ -90,13 +89,13 @@ impl<T: Float> Trajectory<T> {
     }
 }
 
-/// A number of things.
+/// A number as a count.
 fn whole<T: Float>(x: T) -> Option<usize> {
     let x = x.to_f64();
     (x >= 0.0 && x <= f64::from(u32::MAX) && x.fract() == 0.0).then_some(x as usize)
 }
 
-/// Whether all pieces lead the same way in time, up to the end.
+/// Whether all pieces have the same direction in time, up to the end.
 fn are_in_order<T: Float>(pieces: &[Piece<T>], end: T) -> bool {
     let Some(first) = pieces.first() else {
         return true;

@@ -1,4 +1,4 @@
-//! The polynomial of one step, refined unless its stages are not found, and its values.
+//! The polynomial of one step and its values; refined unless its stages do not converge.
 
 use crate::dense::polynomial::Polynomial;
 use crate::time::visible;
@@ -6,21 +6,21 @@ use equip_scalar::Float;
 use equip_solver::{Part, State};
 use equip_tableau::Coefficients;
 
-/// The polynomial of one step (or part of a halved one).
+/// The polynomial of one step, or of a part of a halved step.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Piece<T> {
     pub(crate) time: T,
     pub(crate) time_low: T,
     pub(crate) h: T,
-    /// Of M stages, or of those of the step.
+    /// The refined polynomial, or the polynomial of the stages of the step.
     pub(super) polynomial: Polynomial<T>,
-    /// y1, which the polynomial meets but for rounding.
+    /// y1, where the polynomial ends up to rounding.
     pub(super) end: Vec<T>,
 }
 
 impl<T: Float> Piece<T> {
-    /// The piece of a part of a step, which ends in `end`, by the h γ_k of as many stages as `coefficients`
-    /// has rows. The linear term leads to y1.
+    /// The piece of a part of a step that ends at `end`, with the h γ_k in `coefficients`, one row for each
+    /// stage. The linear term is set such that the polynomial ends at y1.
     pub(super) fn new(
         part: &Part<T>,
         time_low: T,
@@ -43,7 +43,7 @@ impl<T: Float> Piece<T> {
         }
     }
 
-    /// The polynomial of the stages of that part themselves, of order s.
+    /// The polynomial of the stages of the part, of order s.
     pub(crate) fn of_stages(
         method: &Coefficients<T>,
         part: &Part<T>,
@@ -60,7 +60,7 @@ impl<T: Float> Piece<T> {
         Self::new(part, time_low, coefficients, end)
     }
 
-    /// Where in the piece time `t` is: 0 at its start, 1 at its end.
+    /// The position of time `t` in the piece: 0 at its start, 1 at its end.
     pub(crate) fn place_of(&self, t: T) -> T {
         let place = ((t - self.time) - self.time_low) / self.h;
         place.max(T::int(0)).min(T::int(1))
@@ -71,7 +71,7 @@ impl<T: Float> Piece<T> {
         self.time + (self.time_low + place * self.h)
     }
 
-    /// (q, p) of u at `place` into `y`.
+    /// Writes (q, p) of u at `place` to `y`.
     pub(crate) fn state_at(&self, place: T, y: &mut [T]) {
         let (m, n) = (y.len() / 2, self.end.len());
         if place == T::int(1) {

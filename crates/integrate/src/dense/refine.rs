@@ -1,18 +1,18 @@
-//! Dense output: what a step passed through.
+//! Dense output: polynomials over a step.
 //!
-//! *The stage polynomial.* u(τ) = y0 + Σ_{k<s} h γ_k ∫₀^τ P_k, which the stages define for free, has order s
-//! only: one needs 2s coefficients where the end point needs the first.
+//! *The stage polynomial.* The stages define u(τ) = y0 + Σ_{k<s} h γ_k ∫₀^τ P_k at no cost. Its order is s
+//! only: between the ends 2s coefficients are needed for order 2s.
 //!
-//! *The refined polynomial*, which is what users get: the stage polynomial of the Gauss method with min(2s,
-//! 32) stages on the same step, solved from the stage polynomial as guess by a workspace of its own, with the
-//! linear term changed so that it ends in y1. Its error is that of the step, order 2s, throughout the step
-//! (local error h^{2s+1}); the steps do not know of it.
+//! *The refined polynomial* is the stage polynomial of the Gauss method with min(2s, 32) stages on the same
+//! step. Its stages are solved in a separate workspace with the stage polynomial as initial guess. Its linear
+//! term is then changed such that it ends at y1. Its error is that of the step, of order 2s throughout the
+//! step (local error h^{2s+1}). It does not affect the steps.
 //!
-//! A step has been made before it is refined, and no output ends a run: where the stages of the refined
-//! polynomial are not found, the stage polynomial takes its place, led to y1 in the same way. The certificate
-//! counts such steps.
+//! The step has already been accepted, and dense output never ends a run. If the stages of the refined
+//! polynomial do not converge, the stage polynomial replaces it, with its linear term changed in the same
+//! way. The certificate counts these steps.
 //!
-//! Cost: one solve of 2s stages without α per refined step; s n multiplications per value.
+//! Cost: one solve of 2s stages without α per refined step, and s n multiplications per value.
 
 use crate::dense::piece::Piece;
 use crate::error::IntegrateError;
@@ -23,11 +23,11 @@ use equip_scalar::Float;
 use equip_solver::{Core, Family, MAX_STAGES, Part, State, StepOptions};
 use equip_tableau::{Coefficients, legendre_at};
 
-/// Makes refined polynomials.
+/// Computes refined polynomials.
 #[derive(Debug)]
 pub(crate) struct Refiner<T: Float> {
     core: Core<T>,
-    /// M × s: from the L of the step to those of the guess.
+    /// M × s: the map from L of the step to the initial guess for M stages.
     prolongation: Vec<T>,
     guess: Vec<T>,
     end: State<T>,
@@ -63,8 +63,8 @@ impl<T: Float> Refiner<T> {
         })
     }
 
-    /// The refined polynomial of `part`, a part of a step by this method, which ends
-    /// in `end`; if its stages are not found the one of the stages of the step. Whether it is refined.
+    /// The refined polynomial of `part`, a part of a step that ends at `end`, or the stage polynomial if the
+    /// refined stages do not converge. Returns whether it is refined.
     pub(crate) fn refine(
         &mut self,
         (method, part): (&Coefficients<T>, &Part<T>),

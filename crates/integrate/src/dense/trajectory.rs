@@ -1,11 +1,11 @@
-//! [`Trajectory`]: a run at any time.
+//! [`Trajectory`]: the state of a run at any time.
 
 use crate::dense::piece::Piece;
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 
-/// The trajectory of a run between its start and its end, with the accuracy of its steps. Stored by runs
-/// with dense output ([`Integrator::dense`](crate::Integrator::dense)).
+/// The trajectory of a run between its start and its end, with the accuracy of its steps. Runs with dense
+/// output ([`Integrator::dense`](crate::Integrator::dense)) store it.
 ///
 /// Memory: min(2s, 32) + 2 numbers per component and step.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,7 @@ impl<T: Float> Trajectory<T> {
         self.m
     }
 
-    /// First and last time, in the order in which the run went; equal if no step was made.
+    /// The first and the last time, in the direction of the run; equal if no step was made.
     pub fn interval(&self) -> (T, T) {
         let start = self.pieces.first().map_or(self.end, |piece| piece.time);
         (start, self.end)
@@ -53,11 +53,11 @@ impl<T: Float> Trajectory<T> {
         })
     }
 
-    /// y = (q, p) at time `t` into `y` (length 2m); returns whether `t` is within the run. Nothing is
+    /// Writes (q, p) at time `t` to `y`, of length 2m. Returns whether `t` is within the run. Nothing is
     /// allocated.
     ///
     /// # Panics
-    /// When `y` has another length.
+    /// If `y` has another length.
     pub fn at_into(&self, t: T, y: &mut [T]) -> bool {
         assert_eq!(y.len(), 2 * self.m, "the state has 2m components");
         let (start, end) = self.interval();

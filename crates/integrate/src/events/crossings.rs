@@ -1,14 +1,15 @@
-//! [`Crossings`]: where the switches of H are crossed, and which of them a step begins or ends on.
+//! [`Crossings`]: where a step crosses the switches of H, and on which switches it begins or ends.
 //!
-//! Within one sign of all switches H is smooth, and a step has its full order. A step over a switch is made
-//! anew so that it ends on it: its size times the place of the root on its polynomial, and again from the
-//! polynomial of that step, which has seen one side only, until the size stays. Close to the root the end
-//! point is a smooth function of the size on both sides of the switch, as all stages are before it.
+//! As long as no switch changes sign, H is smooth and a step has its full order. A step that crosses a switch
+//! is repeated so that it ends on the switch. Its size is multiplied by the position of the root on its
+//! polynomial, and again by the position on the polynomial of the shorter step, which has seen one side only,
+//! until the size converges. Near the root the end point is a smooth function of the size on both sides of
+//! the switch, since all stages are before the root.
 //!
-//! *Which side a step begins on* that begins on a switch, where g is rounding: the one it goes to. Where H is
-//! continuous, H = H₁ on one side and H₁ + gK on the other, and ġ = {g, H} is the same on both: {g, gK} =
-//! g{g, K} = 0 where g = 0. So whatever meets a switch with ġ ≠ 0 crosses it, and nothing slides along it.
-//! Where ġ is rounding too, it is the side of the first stage.
+//! *Which side.* If a step begins on a switch, g is rounding there, and the step begins on the side to which
+//! the motion leads. If H is continuous, H = H₁ on one side and H₁ + gK on the other, and ġ = {g, H} is the
+//! same on both: {g, gK} = g{g, K} = 0 for g = 0. So a motion that meets a switch with ġ ≠ 0 crosses it, and
+//! no motion slides along it. If ġ is rounding too, the side is that of the first stage.
 
 use crate::control::estimate::Decay;
 use crate::control::policy::{BESIDE, MOST_TRIES, ROUNDING, SOON};
@@ -20,17 +21,17 @@ use equip_scalar::Float;
 use equip_solver::{Core, State};
 use equip_tableau::Coefficients;
 
-/// Where a step as made meets the first switch.
+/// Where a step meets the first switch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Meeting<T> {
-    /// There, in units of the step: within it, or a little beyond its end if it was to end there; and again
-    /// close behind.
+    /// At this position, in units of the step: within the step, or slightly beyond its end if the step was to
+    /// end on the switch. The second number is a further root close behind.
     At(T, Option<T>),
-    /// Its end is on a switch.
+    /// The end of the step is on a switch.
     End,
-    /// It comes so near to one there that only the end of a step can tell.
+    /// The step comes so close to a switch here that only a step that ends here can decide.
     Touch(T),
-    /// It was over one, and no try has ended there.
+    /// The step crossed a switch, and no attempt has ended on the switch.
     Missed,
 }
 
@@ -38,34 +39,35 @@ pub(crate) enum Meeting<T> {
 #[derive(Debug)]
 pub(crate) struct Crossings<T: Float> {
     pub(crate) path: Path<T>,
-    /// Of every switch: whether the step begins on it, and with which sign it continues, zero if unknown.
+    /// For every switch: `None` if the step does not begin on the switch, else the sign with which it
+    /// continues, zero if unknown.
     sides: Vec<Option<i8>>,
-    /// Switches on which the step ends, and the signs they take on.
+    /// The switches on which the step ends, and their signs after the step.
     met: Vec<(usize, i8)>,
     /// The switch on which the step is to end.
     aim: Option<usize>,
-    /// How far its end was from that.
+    /// The distance of the end of the last attempt from this switch.
     miss: T,
     looks: u32,
     halvings: u32,
-    /// Whether the step was cut where it may touch a switch.
+    /// Whether the step was shortened to a position where it may touch a switch.
     has_touched: bool,
-    /// Whether the step before met a switch that may have hidden others: knots of a table.
+    /// Whether the step before met a switch that may have hidden others, such as knots of a table.
     is_among_knots: bool,
     has_knots: bool,
-    /// Switches that are passed over unseen.
+    /// The switches that are ignored.
     is_passed: Vec<bool>,
-    /// Switches at which the value of H may jump.
+    /// The switches at which the value of H may jump.
     may_jump: Vec<bool>,
-    /// Room for ∇H.
+    /// Workspace for ∇H.
     gradient: Vec<T>,
     roughness: Roughness<T>,
-    /// A place so close to the end of a step is the end.
+    /// A root this close to the end of a step is at the end.
     close: T,
 }
 
 impl<T: Float> Crossings<T> {
-    /// Of steps by this rule of states with n components. None of an H without switches.
+    /// For steps of this method and states with n components. `None` if H has no switches.
     pub(crate) fn new(
         switches: &Switches,
         method: &Coefficients<T>,
@@ -102,7 +104,7 @@ impl<T: Float> Crossings<T> {
         })
     }
 
-    /// The same, passing over knots of tables; none if there is nothing else.
+    /// The same, ignoring knots of tables. `None` if there are no other switches.
     pub(crate) fn but_knots(
         switches: &Switches,
         method: &Coefficients<T>,
@@ -116,14 +118,14 @@ impl<T: Float> Crossings<T> {
         crossings.is_passed.contains(&false).then_some(crossings)
     }
 
-    /// The run begins, or goes on, at a state that may be anywhere.
+    /// Begins or continues a run at a state that may be anywhere.
     pub(crate) fn begin(&mut self) {
         self.sides.fill(None);
         self.is_among_knots = false;
         self.begin_step();
     }
 
-    /// The run turns back in time.
+    /// Reverses the direction of time.
     pub(crate) fn turn_back(&mut self) {
         for side in self.sides.iter_mut().flatten() {
             *side = -*side;
@@ -135,27 +137,27 @@ impl<T: Float> Crossings<T> {
         self.stop_aiming();
     }
 
-    /// The next try is not one that is to end on a switch.
+    /// The next attempt is not to end on a switch.
     pub(crate) fn stop_aiming(&mut self) {
         self.aim = None;
     }
 
-    /// Whether the last try was to end on a switch.
+    /// Whether the last attempt was to end on a switch.
     pub(crate) fn is_aimed(&self) -> bool {
         self.aim.is_some()
     }
 
-    /// Whether the step was cut where it may touch a switch.
+    /// Whether the step was shortened to a position where it may touch a switch.
     pub(crate) fn has_touched(&self) -> bool {
         self.has_touched
     }
 
-    /// Whether the step last looked at meets one of them more than twice, as one over close knots.
+    /// Whether the last step examined meets one switch more than twice, as a step over close knots does.
     pub(crate) fn meets_one_often(&self) -> bool {
         (0..self.path.len()).any(|j| !self.is_passed[j] && self.path.changes(j) > 2)
     }
 
-    /// How many switches the step last looked at ends on, if it ends on one.
+    /// The number of switches on which the last step examined ends.
     pub(crate) fn met(&self) -> u64 {
         self.met.len() as u64
     }
@@ -165,7 +167,8 @@ impl<T: Float> Crossings<T> {
         self.sides.iter().any(Option::is_some)
     }
 
-    /// The step last looked at is made, over a switch or not, with its end on those met there or not.
+    /// Accepts the last step examined. It met a switch if `meets_one`, and ended on the met switches if
+    /// `ends_on_one`.
     pub(crate) fn accept(&mut self, (meets_one, ends_on_one): (bool, bool)) {
         self.is_among_knots = meets_one && self.has_knots;
         self.sides.fill(None);
@@ -176,7 +179,7 @@ impl<T: Float> Crossings<T> {
         }
     }
 
-    /// What is known of the next step, for a checkpoint.
+    /// The state of the switches for the next step, for a checkpoint.
     pub(crate) fn memory(&self) -> SwitchMemory {
         SwitchMemory {
             sides: self.sides.clone(),
@@ -184,7 +187,7 @@ impl<T: Float> Crossings<T> {
         }
     }
 
-    /// Takes that from a checkpoint; returns whether it is of as many switches.
+    /// Restores the state from a checkpoint. Returns whether the number of switches agrees.
     pub(crate) fn restore(&mut self, memory: &SwitchMemory) -> bool {
         let fits = memory.sides.len() == self.sides.len();
         if fits {
@@ -194,13 +197,13 @@ impl<T: Float> Crossings<T> {
         fits
     }
 
-    /// Whether a step that meets no switch may be over two knots that its signs do not show.
+    /// Whether a step without sign changes may cross two knots.
     pub(crate) fn is_among_knots(&self) -> bool {
         self.is_among_knots
     }
 
-    /// Whether kinks in the step of size `h` last looked at, the first two of them at `roots`, make more of
-    /// it than the tolerance of `decay`, coefficients decaying by ϱ.
+    /// Whether the effect of discontinuities on the last step examined exceeds its tolerance. The step has
+    /// the size `h`, its first two roots are `roots`, and `decay` holds its estimate with ϱ.
     pub(crate) fn is_rough(
         &mut self,
         core: &mut Core<T>,
@@ -210,19 +213,19 @@ impl<T: Float> Crossings<T> {
         let Crossings {
             roughness, path, ..
         } = self;
-        // Nor if it is not a number.
+        // NaN counts as rough.
         !(roughness.of_step(core, path, (h, roots), decay) <= 1.0)
             || !(roughness.between_pairs(core, path, h, decay.0) <= 1.0)
     }
 
-    /// Whether a step is to be halved before it is made to end on a switch: H has tables, whose knots may lie
-    /// close together, and it has not been halved often yet.
+    /// Whether a step is to be halved before it is shortened to end on a switch. This holds if H has tables,
+    /// whose knots may be close together, and the step has not been halved often.
     pub(crate) fn may_halve(&mut self) -> bool {
         self.halvings += 1;
         self.has_knots && self.halvings <= SOON.ilog2()
     }
 
-    /// Where the step just made from `y` to `end` meets the first switch; the next try is to end there.
+    /// Where the step from `y` to `end` meets the first switch. The next attempt is to end there.
     pub(crate) fn look(
         &mut self,
         core: &mut Core<T>,
@@ -260,20 +263,21 @@ impl<T: Float> Crossings<T> {
         Some(Meeting::At(root, next))
     }
 
-    /// By how much H jumps where the step last looked at ends on a switch.
+    /// The jump of H at the end of the last step examined, if it ends on a switch.
     pub(crate) fn jump(&mut self, core: &mut Core<T>) -> Option<T> {
         let may_jump = self.met.iter().any(|&(j, _)| self.may_jump[j]);
         may_jump.then(|| self.across(core, T::int(1))).flatten()
     }
 
-    /// The same at the first switch that it meets.
+    /// The jump of H at the first switch that the step meets.
     pub(crate) fn jump_at(&mut self, core: &mut Core<T>, root: T) -> Option<T> {
         let may_jump = self.aim.is_some_and(|j| self.may_jump[j]);
         may_jump.then(|| self.across(core, root)).flatten()
     }
 
-    /// By how much H jumps at a root, if that is more than rounding: the difference of H a little beyond and
-    /// before is the same twice as far. One that bends differs twice as much there, or more.
+    /// The jump of H at a root, if it exceeds rounding. At a jump the difference of H slightly behind and
+    /// before the root is the same at twice the distance. If only a derivative of H jumps, the difference at
+    /// least doubles.
     fn across(&mut self, core: &mut Core<T>, root: T) -> Option<T> {
         let mut rounding = T::int(0);
         let mut across = |distance: T| {
@@ -292,7 +296,7 @@ impl<T: Float> Crossings<T> {
         (is_same && near.abs() > rounding).then_some(T::int(2) * near - far)
     }
 
-    /// The sign with which switch j begins.
+    /// The sign of switch j at the beginning of the step.
     fn begins(&self, j: usize) -> i8 {
         self.sides[j].unwrap_or_else(|| self.path.side_at_start(j))
     }
@@ -325,12 +329,12 @@ impl<T: Float> Crossings<T> {
         }
         let mut place = self.path.first_root(j, begins, starts_on_it)?;
         if place.place() <= self.close && !starts_on_it {
-            // The step begins on the switch, if not exactly.
+            // The step begins on the switch, up to rounding.
             self.sides[j] = Some(-begins);
             place = self.path.first_root(j, -begins, true)?;
         }
         match place {
-            // Once a step, and not for a sliver.
+            // Once in a step, and not near its ends.
             Place::Touch(at) => {
                 let margin = T::ratio(1, 64);
                 let is_inside = at > margin && at < T::int(1) - margin;
@@ -340,7 +344,7 @@ impl<T: Float> Crossings<T> {
         }
     }
 
-    /// The step ends on switch j, whose root is there, and on what else has one there.
+    /// The step ends on switch j at this root, and on all other switches with a root there.
     fn meet(&mut self, j: usize, root: T) {
         self.met.clear();
         for other in 0..self.path.len() {

@@ -1,10 +1,10 @@
-//! Roots of switches that their signs at the places of a [`Path`] do not show.
+//! Roots of switches that the signs of the switches at the positions of a [`Path`] do not show.
 //!
-//! Of a function that bends, as that of the maximum in max(1 − |x|/w, 0), the extrema lie at the roots of
-//! others: it is evaluated there. Of a smooth one see [`crate::events::narrow`].
+//! A switch with kinks of its own, such as the one of the maximum in max(1 − |x|/w, 0), has its extrema at
+//! the roots of other switches. It is evaluated there. [`crate::events::narrow`] treats smooth switches.
 //!
-//! Cost: per step with a change of sign and a function that bends the root, some ten evaluations of the
-//! switches, and one more; where lines meet beyond zero up to 25.
+//! Cost: for a step with a sign change and a switch with kinks, the root, about ten evaluations of the
+//! switches, and one more. If lines intersect beyond zero, up to 25.
 
 use crate::events::narrow::{self, Hidden, MOST_PAIRS};
 use crate::events::path::{Path, side};
@@ -12,7 +12,7 @@ use equip_scalar::Float;
 use std::cmp::Ordering;
 
 impl<T: Float> Path<T> {
-    /// Whether switch j may have two roots between the places i − 1 and i that neither of them shows.
+    /// Whether switch j may have two roots between the positions i − 1 and i, where it has the same sign.
     fn narrows(&self, j: usize, i: usize, starts_on_it: bool) -> bool {
         let [a, b] = [i - 1, i].map(|i| self.value(j, i));
         let [sign, other] = [a, b].map(side);
@@ -29,9 +29,9 @@ impl<T: Float> Path<T> {
         met.is_some_and(|(_, lowest)| lowest <= T::int(0))
     }
 
-    /// Whether there may be roots that the signs at the places do not show, or neighbouring ones without a
-    /// place between them. Switches that are passed are left out, and those that the step `starts_on` near
-    /// its start.
+    /// Whether there may be roots that the signs do not show, or neighbouring roots without a position
+    /// between them. Ignored switches are left out, and switches on which the step starts (`starts_on`) are
+    /// left out near its start.
     pub(crate) fn may_hide(&self, is_passed: &[bool], starts_on: &[Option<i8>]) -> bool {
         let bends = (0..self.len()).any(|j| self.bends[j] && !is_passed[j]);
         (1..self.places.len()).any(|i| {
@@ -43,7 +43,7 @@ impl<T: Float> Path<T> {
         })
     }
 
-    /// Looks for them, and for the ends of a step without a stage between them and a root.
+    /// Looks for such roots, and for an end of the step and a root without a stage between them.
     pub(crate) fn look_for_hidden(&mut self, is_passed: &[bool], starts_on: &[Option<i8>]) {
         let bends = (0..self.len()).any(|j| self.bends[j] && !is_passed[j]);
         for i in 1..self.places.len() {
@@ -67,7 +67,7 @@ impl<T: Float> Path<T> {
                     self.look_into(j, i, is_passed);
                 }
             }
-            // Nor is there a stage at the ends of the step.
+            // There is no stage at the ends of the step either.
             if !self.roots.is_empty() && self.is_at_end(i) {
                 self.roots.push(if i == 1 { a } else { b });
             }
@@ -81,13 +81,13 @@ impl<T: Float> Path<T> {
         }
     }
 
-    /// Whether place i is the first stage or the end of the step.
+    /// Whether position i is the first stage or the end of the step.
     fn is_at_end(&self, i: usize) -> bool {
         i == 1 || i + 1 == self.places.len()
     }
 
-    /// Whether switch j, if it is none of knots, has one sign at place i − 1, or the one it `begins` with,
-    /// and the other one at place i.
+    /// Whether switch j, unless it belongs to knots, changes sign between the positions i − 1 and i. At i − 1
+    /// it has the sign `begins` if it is given.
     fn changes_at(&self, j: usize, i: usize, begins: Option<i8>) -> bool {
         let [before, here] = [i - 1, i].map(|i| side(self.value(j, i)));
         begins.unwrap_or(before) * here < 0 && !self.is_of_knots[j]
@@ -103,8 +103,8 @@ impl<T: Float> Path<T> {
         self.hidden.len() >= MOST_PAIRS || self.roots.len() + 2 >= 2 * MOST_PAIRS
     }
 
-    /// There is a root between the places i − 1 and i: whether switches that bend have another sign there
-    /// than at both.
+    /// Given a root between the positions i − 1 and i, checks whether switches with kinks have the opposite
+    /// sign at the root.
     fn look_at(&mut self, root: T, i: usize, is_passed: &[bool]) {
         self.roots.push(root);
         for k in (0..self.len()).filter(|&k| !is_passed[k]) {
@@ -118,7 +118,7 @@ impl<T: Float> Path<T> {
         }
     }
 
-    /// Looks for two roots of switch j between the places i − 1 and i.
+    /// Looks for two roots of switch j between the positions i − 1 and i.
     fn look_into(&mut self, j: usize, i: usize, is_passed: &[bool]) {
         let sign = T::int(i64::from(side(self.value(j, i))));
         let mut points = [(T::int(0), T::int(0)); 4];
@@ -136,7 +136,7 @@ impl<T: Float> Path<T> {
         }
     }
 
-    /// Switch k has another sign at `place` than at the places i − 1 and i around it.
+    /// Records that switch k has another sign at `place` than at the positions i − 1 and i around it.
     fn hide(&mut self, k: usize, i: usize, place: T, is_passed: &[bool]) {
         let [a, b] = [self.places[i - 1], self.places[i]];
         let is_known = |hidden: &Hidden<T>| hidden.j == k && hidden.i == i;

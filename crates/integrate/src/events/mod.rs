@@ -1,4 +1,4 @@
-//! Roots of functions along a run.
+//! Roots of event functions and switches along a run.
 
 pub(crate) mod crossings;
 pub(crate) mod hidden;

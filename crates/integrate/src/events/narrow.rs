@@ -1,17 +1,17 @@
-//! Two roots of a function between neighbouring places, which its values there do not show.
+//! Two roots of a function between neighbouring positions at which it has the same sign.
 //!
-//! Where |g| falls up to a place and rises from the next one on, the lines through two places on either side
-//! meet between them. Of a convex |g|, as the distance to something that is passed closely, that is below its
-//! minimum: if it is above zero there is no root. The minimum is looked for where such lines meet, and by
-//! parabolas through three places.
+//! If |g| decreases up to one position and increases from the next one on, the lines through two positions on
+//! either side intersect between them. If |g| is convex, such as the distance to an obstacle that is passed
+//! closely, the intersection is below the minimum: if it is above zero, there is no root. The minimum is
+//! searched at such intersections and by parabolas through three positions.
 
 use crate::control::policy::MOST_TRIES;
 use equip_scalar::Float;
 
-/// Pairs of roots in one step that are looked at, those that show and those that do not.
+/// The maximum number of pairs of roots examined in one step, hidden or not.
 pub(crate) const MOST_PAIRS: usize = 16;
 
-/// Two roots of switch j between the places i − 1 and i, where it has one sign.
+/// Two roots of switch j between the positions i − 1 and i, where it has the same sign.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hidden<T> {
     pub(crate) j: usize,
@@ -20,12 +20,12 @@ pub(crate) struct Hidden<T> {
     pub(crate) second: T,
 }
 
-/// A place and the value there.
+/// A position and the value there.
 pub(crate) type Point<T> = (T, T);
 
-/// Where the lines through (`before`, `a`) and (`b`, `after`) meet, if |g| falls along the first, rises along
-/// the second and they meet between `a` and `b`; without one of the outer places the slope is that of the
-/// other side. Values are |g|.
+/// The intersection of the lines through (`before`, `a`) and (`b`, `after`), if |g| decreases along the
+/// first, increases along the second, and the intersection is between `a` and `b`. Without one of the outer
+/// points its line has the opposite derivative of the other line. Values are |g|.
 pub(crate) fn meeting<T: Float>(
     before: Option<Point<T>>,
     [a, b]: [Point<T>; 2],
@@ -47,7 +47,7 @@ pub(crate) fn meeting<T: Float>(
     is_between.then(|| (x, a.1 + left * (x - a.0)))
 }
 
-/// Where the parabola through three points has its vertex, if that is between them, and its value there.
+/// The vertex of the parabola through three points, if it is between them, and its value.
 pub(crate) fn vertex<T: Float>([a, b, c]: [Point<T>; 3]) -> Option<Point<T>> {
     let [first, second] = [(a, b), (b, c)].map(|(a, b)| (b.1 - a.1) / (b.0 - a.0));
     let bend = (second - first) / (c.0 - a.0);
@@ -56,7 +56,7 @@ pub(crate) fn vertex<T: Float>([a, b, c]: [Point<T>; 3]) -> Option<Point<T>> {
     (x > a.0 && x < c.0 && x != b.0).then_some((x, value))
 }
 
-/// The points around a minimum of |g|, in their order.
+/// The points around a minimum of |g|, in order.
 struct Around<T> {
     points: [Point<T>; 5 + MOST_TRIES as usize],
     count: usize,
@@ -67,14 +67,14 @@ impl<T: Float> Around<T> {
         self.points[..self.count].get(i).copied()
     }
 
-    /// The lowest one that has neighbours.
+    /// The index of the lowest point that has two neighbours.
     fn lowest(&self) -> usize {
         let inner = 1..self.count.saturating_sub(1);
         let is_below = |i: usize, j: usize| self.points[i].1 < self.points[j].1;
         inner.fold(1, |low, i| if is_below(i, low) { i } else { low })
     }
 
-    /// Where lines meet between the lowest place and one of its neighbours, the deeper of two.
+    /// The lower one of the intersections between the lowest point and its neighbours.
     fn meeting(&self) -> Option<Point<T>> {
         let low = self.lowest();
         let between = |i: usize| {
@@ -98,8 +98,8 @@ impl<T: Float> Around<T> {
     }
 }
 
-/// A place between `places`, up to six of them in their order with |g| there, where g is beyond zero; `g` is
-/// the function times its sign at these. None if there is none, as far as can be told.
+/// A position at which g has changed sign, between the positions of `places`: up to five in order, with |g|.
+/// `g` is the function times its sign at these. `None` if none is found.
 pub(crate) fn place_beyond<T: Float>(places: &[Point<T>], mut g: impl FnMut(T) -> T) -> Option<T> {
     let mut around = Around {
         points: [(T::int(0), T::int(0)); 5 + MOST_TRIES as usize],

@@ -1,11 +1,11 @@
 //! [`Path`]: the switches of H along a step, from their values at its start, its stages and its end.
 //!
-//! A sign that differs between neighbours of these s + 2 places encloses a root, and so does a dip towards
-//! zero whose lowest place, by parabolas through three places, lies beyond it. Two roots between neighbours
-//! are looked for where lines through the values on either side meet beyond zero, and, of a
-//! function that bends itself, at the roots of the others: an obstacle max(1 − |x|/w, 0) much thinner than
-//! the step shows in none of the s + 2 values, but x changes its sign. Two roots of a smooth function that
-//! no value foretells are not found.
+//! A sign change between neighbours of these s + 2 positions encloses a root. So does a dip towards zero
+//! whose minimum, by parabolas through three positions, has the opposite sign. Two roots between neighbours
+//! are searched where lines through the values on either side intersect beyond zero. For a switch with kinks
+//! they are also searched at the roots of the other switches: an obstacle max(1 − |x|/w, 0) much thinner than
+//! the step does not show in the s + 2 values, but x changes sign. Two roots of a smooth switch of which the
+//! values give no indication are not found.
 
 use crate::control::policy::{MOST_TRIES, PART};
 use crate::dense::polynomial::Polynomial;
@@ -15,16 +15,16 @@ use equip_autodiff::{SwitchEvaluator, SwitchKind, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
 
-/// Where a switch has a root, or comes so near to zero that the polynomial cannot tell.
+/// A root of a switch, or a position so close to zero that the polynomial cannot decide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Place<T> {
-    /// A root, and where there is another one close behind it that.
+    /// A root, and a second one close behind, if there is one.
     Root(T, Option<T>),
     Touch(T),
 }
 
 impl<T: Float> Place<T> {
-    /// In units of the step.
+    /// The position in units of the step.
     pub(crate) fn place(self) -> T {
         match self {
             Place::Root(place, _) | Place::Touch(place) => place,
@@ -36,28 +36,28 @@ impl<T: Float> Place<T> {
 #[derive(Debug)]
 pub(crate) struct Path<T: Float> {
     switches: SwitchEvaluator<T>,
-    /// Of each of them whether it bends itself, and whether it belongs to knots.
+    /// For every switch, whether it has kinks, and whether it belongs to knots.
     pub(super) bends: Vec<bool>,
     pub(super) is_of_knots: Vec<bool>,
-    /// Roots that values at the places do not show.
+    /// Roots that the values at the positions do not show.
     pub(super) hidden: Vec<Hidden<T>>,
-    /// Neighbouring roots without a place between them.
+    /// Neighbouring roots without a position between them.
     pub(crate) pairs: Vec<[T; 2]>,
     pub(super) roots: Vec<T>,
     /// 0, c_1, …, c_s, 1.
     pub(super) places: Vec<T>,
-    /// g of all switches at each of these.
+    /// g of all switches at each position.
     values: Vec<T>,
     polynomial: Polynomial<T>,
     stages: Vec<T>,
     y: Vec<T>,
     g: Vec<T>,
-    /// Between its stages the polynomial has an error of this share of the motion.
+    /// The relative error of the polynomial between its stages.
     vague: T,
 }
 
 impl<T: Float> Path<T> {
-    /// Of steps with these nodes of states with n components, by a tolerance.
+    /// For steps with these nodes, states with n components, and a tolerance.
     pub(crate) fn new(switches: &Switches, nodes: &[T], n: usize, tolerance: T) -> Self {
         let zeros = |count: usize| vec![T::int(0); count];
         let ends = [[T::int(0)], [T::int(1)]];
@@ -83,12 +83,12 @@ impl<T: Float> Path<T> {
         }
     }
 
-    /// Number of switches.
+    /// The number of switches.
     pub(crate) fn len(&self) -> usize {
         self.g.len()
     }
 
-    /// Number of stages.
+    /// The number of stages.
     pub(crate) fn stages(&self) -> usize {
         self.places.len() - 2
     }
@@ -98,7 +98,7 @@ impl<T: Float> Path<T> {
         self.polynomial.coefficients[k * self.y.len() + c]
     }
 
-    /// Evaluates the switches along the step just made from `y` to `end`.
+    /// Evaluates the switches along the step from `y` to `end`.
     pub(crate) fn follow(&mut self, core: &mut Core<T>, y: &State<T>, end: &State<T>) {
         core.stages_by_stage(y, &mut self.stages);
         let (n, count) = (y.hi.len(), self.g.len());
@@ -113,7 +113,7 @@ impl<T: Float> Path<T> {
         self.pairs.clear();
     }
 
-    /// Takes over the polynomial of the step just made from `y`.
+    /// Stores the polynomial of the last step, which started at `y`.
     pub(crate) fn take_polynomial(&mut self, core: &Core<T>, y: &State<T>) {
         let Polynomial {
             start,
@@ -140,28 +140,28 @@ impl<T: Float> Path<T> {
         self.g[j]
     }
 
-    /// Switch j at the i-th of the places.
+    /// Switch j at position i.
     pub(super) fn value(&self, j: usize, i: usize) -> T {
         self.values[i * self.g.len() + j]
     }
 
-    /// Sign of switch j at the start of the step.
+    /// The sign of switch j at the start of the step.
     pub(crate) fn side_at_start(&self, j: usize) -> i8 {
         side(self.value(j, 0))
     }
 
-    /// Sign of switch j at the end of the step.
+    /// The sign of switch j at the end of the step.
     pub(crate) fn side_at_end(&self, j: usize) -> i8 {
         side(self.value(j, self.places.len() - 1))
     }
 
-    /// How often the sign of switch j changes from place to place.
+    /// The number of sign changes of switch j between neighbouring positions.
     pub(crate) fn changes(&self, j: usize) -> usize {
         let differs = |&i: &usize| side(self.value(j, i)) != side(self.value(j, i - 1));
         (1..self.places.len()).filter(differs).count()
     }
 
-    /// Whether switch j may have a root on the way, if it has the sign `begins` after the start.
+    /// Whether switch j may have a root in the step if it has the sign `begins` after the start.
     pub(crate) fn may_meet(&self, j: usize, begins: i8) -> bool {
         let last = self.places.len() - 1;
         let differs = |i: usize| side(self.value(j, i)) != begins;
@@ -170,8 +170,9 @@ impl<T: Float> Path<T> {
             || self.hidden.iter().any(|hidden| hidden.j == j)
     }
 
-    /// Whether the parabola through place i and its neighbours turns between them, beyond zero or half as far
-    /// from it as they are, or where they are so close that a parabola cannot tell.
+    /// Whether the parabola through position i and its neighbours has its vertex between them, with the
+    /// opposite sign or less than half their distance from zero. Also true if the values differ so much that
+    /// a parabola cannot decide.
     fn dips(&self, j: usize, i: usize) -> bool {
         let [a, b, c] = [i - 1, i, i + 1].map(|i| (self.places[i], self.value(j, i)));
         let [x, y, z] = [a, b, c].map(|point| point.1.abs());
@@ -183,8 +184,8 @@ impl<T: Float> Path<T> {
         })
     }
 
-    /// The first root of switch j after the start of the step, whose sign there is `begins`, or that of the
-    /// first stage if it is zero; or the first place where it may have one.
+    /// The first root of switch j after the start of the step, or the first position where it may have one.
+    /// At the start the switch has the sign `begins`, or, if that is zero, the sign at the first stage.
     pub(crate) fn first_root(
         &mut self,
         j: usize,
@@ -227,7 +228,7 @@ impl<T: Float> Path<T> {
         self.hidden.iter().find(is_there).copied()
     }
 
-    /// A place before the first stage where switch j, on which the step begins, has the sign `wanted`.
+    /// A position before the first stage where switch j, on which the step begins, has the sign `wanted`.
     pub(super) fn leaving(&mut self, j: usize, wanted: i8) -> Option<T> {
         let mut place = self.places[1];
         (0..MOST_TRIES).find_map(|_| {
@@ -246,7 +247,7 @@ impl<T: Float> Path<T> {
         enclose(&mut |place| self.value_at(j, place), ends, resolution)
     }
 
-    /// A root of switch j beside place i, where it dips towards zero and has the sign `wanted`.
+    /// A root of switch j near position i, where it dips towards zero. Elsewhere it has the sign `wanted`.
     fn within_dip(&mut self, j: usize, i: usize, wanted: i8) -> Option<Place<T>> {
         let [mut a, mut b, mut c] = [i - 1, i, i + 1].map(|i| (self.places[i], self.value(j, i)));
         let sizes = (0..self.places.len()).map(|i| self.value(j, i).abs());
@@ -271,8 +272,8 @@ impl<T: Float> Path<T> {
         (b.1.abs() <= vague).then_some(Place::Touch(b.0))
     }
 
-    /// The root of switch j a little beyond the end of the step, or before it by rounding: by secants, as
-    /// long as they come closer.
+    /// The root of switch j slightly beyond the end of the step, or before the end by rounding. Computed by
+    /// the secant method as long as it converges.
     pub(crate) fn root_beyond(&mut self, j: usize) -> Option<T> {
         let mut before = T::int(1) - T::ratio(1, 64);
         let mut here = T::int(1);
@@ -283,7 +284,7 @@ impl<T: Float> Path<T> {
             let at_here = self.value_at(j, here);
             let next = here - at_here * ((here - before) / (at_here - at_before));
             let moved = (next - here).abs();
-            // Not for NaN either, as where values differ by rounding alone.
+            // Also ends for NaN, which occurs if values differ by rounding alone.
             if !(moved < least) {
                 break;
             }
@@ -293,14 +294,14 @@ impl<T: Float> Path<T> {
         root
     }
 
-    /// The sign that switch j takes on at `place`, the motion going on.
+    /// The sign of switch j after `place`.
     pub(crate) fn side_after(&mut self, j: usize, place: T) -> i8 {
         let before = self.value_at(j, place - T::ratio(1, 64));
         side(self.value_at(j, place) - before)
     }
 }
 
-/// −1, 0 or 1; 0 of NaN.
+/// −1, 0 or 1; 0 for NaN.
 pub(super) fn side<T: Float>(g: T) -> i8 {
     i8::from(g > T::int(0)) - i8::from(g < T::int(0))
 }

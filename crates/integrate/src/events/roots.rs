@@ -1,29 +1,28 @@
-//! All roots of a smooth function on [0, 1], told apart by Chebyshev coefficients.
+//! All roots of a smooth function on [0, 1], separated by Chebyshev coefficients.
 //!
-//! On an interval g is interpolated in N + 1 Chebyshev points (ends included), g ≈ Σ a_k T_k. With E an
-//! estimate of the rest:
+//! On an interval g is interpolated at N + 1 Chebyshev points (ends included), g ≈ Σ a_k T_k. Let E be an
+//! estimate of the remainder:
 //!
 //! - |a_0| > Σ_{k≥1} |a_k| + E: no root, since |T_k| ≤ 1;
-//! - the derivative, coefficients d_k, has |d_0| > Σ_{k≥1} |d_k| + N² E: g is monotone, one root if the signs
-//!   at the ends differ, none if not;
-//! - else the interval is halved.
+//! - the derivative with coefficients d_k satisfies |d_0| > Σ_{k≥1} |d_k| + N² E: g is monotone, with one
+//!   root if the signs at the ends differ, and none otherwise;
+//! - otherwise the interval is halved.
 //!
-//! A root is then enclosed by regula falsi with bisection until the enclosure is at the resolution of the
-//! place.
+//! A root is then enclosed by regula falsi with bisection, until the enclosure reaches the resolution.
 //!
 //! *Rounding.* On a short interval the coefficients of a smooth g decay at once, so those of degree N/2 and
-//! above are the rounding of g. Where they are as large as all the others, g touches zero within its
-//! rounding, and the signs at the ends decide. The same holds for an interval that has come down to the
-//! resolution. Rounding above √ε of the largest |g| is roughness, and refused.
+//! above are the rounding of g. If they are as large as all the others, g touches zero within its rounding,
+//! and the signs at the ends decide. The same holds for an interval at the resolution. Rounding above √ε of
+//! the largest |g| counts as roughness, and is an error.
 //!
-//! Cost: 17 evaluations of g where there is no root, some 20 more per root, 1500 or so where it touches zero.
+//! Cost: 17 evaluations of g if there is no root, about 20 more per root, and about 1500 if g touches zero.
 
 use crate::control::policy::SHORT;
 use equip_scalar::Float;
 
 /// N.
 const DEGREE: usize = 16;
-/// Intervals looked at before g is given up as too rough.
+/// The number of intervals after which g is considered too rough.
 const MOST_INTERVALS: usize = 2000;
 
 /// Workspace.
@@ -33,9 +32,9 @@ pub(crate) struct Roots<T> {
     cosines: Vec<T>,
     values: [T; DEGREE + 1],
     stack: Vec<Interval<T>>,
-    /// Largest |g| seen.
+    /// The largest |g| so far.
     largest: T,
-    /// The roots found, ascending, with whether g rises.
+    /// The roots found, in ascending order, and whether g rises.
     pub(crate) found: Vec<(T, bool)>,
 }
 
@@ -48,7 +47,7 @@ pub(crate) struct Interval<T> {
     pub(crate) at_b: T,
 }
 
-/// g has more structure than can be told from noise.
+/// g changes sign more often than its rounding lets us resolve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TooRough;
 
@@ -66,7 +65,7 @@ impl<T: Float> Roots<T> {
         }
     }
 
-    /// Finds the roots of `g` on [0, 1], told apart down to `resolution`, into `found`.
+    /// Finds the roots of `g` on [0, 1], separated down to `resolution`, and stores them in `found`.
     pub(crate) fn find(
         &mut self,
         mut g: impl FnMut(T) -> T,
@@ -104,7 +103,7 @@ impl<T: Float> Roots<T> {
                 Look::Unknown => {
                     let middle = (a + b) / T::int(2);
                     let at_middle = g(middle);
-                    // The left half is looked at first: roots come out in order.
+                    // The left half is examined first, so the roots are found in order.
                     self.stack.push(Interval {
                         a: middle,
                         at_a: at_middle,
@@ -136,8 +135,8 @@ impl<T: Float> Roots<T> {
         }
         let coefficients = self.coefficients();
         let sum = |x: &[T]| x.iter().fold(T::int(0), |sum, x| sum + x.abs());
-        // What geometric decay leaves after the last coefficients, seen from three of them: every other one
-        // may vanish.
+        // The remainder after the last coefficients by geometric decay, estimated from three of them, since
+        // every other one may vanish.
         let rest = T::int(4) * sum(&coefficients[DEGREE - 2..]);
         if coefficients[0].abs() > sum(&coefficients[1..]) + rest {
             return Look::NoRoot;
@@ -156,7 +155,7 @@ impl<T: Float> Roots<T> {
         Look::Unknown
     }
 
-    /// a_k of the interpolant through `values` in the points cos(jπ/N).
+    /// a_k of the interpolant through `values` at the points cos(jπ/N).
     fn coefficients(&self) -> [T; DEGREE + 1] {
         let half = T::ratio(1, 2);
         let mut out = [T::int(0); DEGREE + 1];
@@ -177,7 +176,7 @@ impl<T: Float> Roots<T> {
 enum Look {
     NoRoot,
     Monotone,
-    /// Nothing but rounding.
+    /// Only rounding.
     Noise,
     Unknown,
 }
@@ -187,7 +186,7 @@ fn positive<T: Float>(x: T) -> bool {
     x >= T::int(0)
 }
 
-/// Chebyshev coefficients of the derivative, by d_{k−1} = d_{k+1} + 2k a_k.
+/// The Chebyshev coefficients of the derivative, by d_{k−1} = d_{k+1} + 2k a_k.
 fn derivative<T: Float>(a: &[T; DEGREE + 1]) -> [T; DEGREE + 1] {
     let mut d = [T::int(0); DEGREE + 1];
     for k in (1..=DEGREE).rev() {
@@ -198,9 +197,9 @@ fn derivative<T: Float>(a: &[T; DEGREE + 1]) -> [T; DEGREE + 1] {
     d
 }
 
-/// The root of a function whose signs at the ends differ: regula falsi (Anderson & Björck 1973), with a
-/// bisection whenever three steps have not brought the enclosure down to half. Of the last enclosure the end
-/// where |g| is smaller.
+/// The root of a function whose signs at the ends differ, by regula falsi (Anderson & Björck 1973), with a
+/// bisection whenever three steps have not halved the enclosure. Returns the end of the last enclosure with
+/// the smaller |g|.
 pub(crate) fn enclose<T: Float>(
     g: &mut impl FnMut(T) -> T,
     interval: Interval<T>,
@@ -212,7 +211,7 @@ pub(crate) fn enclose<T: Float>(
         at_a,
         at_b,
     } = interval;
-    // The true values, and those that regula falsi works with.
+    // The function values, and the values that regula falsi uses.
     let (mut true_a, mut true_b) = (at_a, at_b);
     let (mut low, mut high) = (at_a, at_b);
     let (mut wanted, mut count) = (b - a, 0);
@@ -275,10 +274,10 @@ mod tests {
             assert_eq!(found.len(), 2, "{gap}");
             assert!((found[0] - 0.3).abs() < 2e-16 && (found[1] - 0.3 - gap).abs() < 2e-16);
         }
-        // Written out, the gap drowns in rounding below √ε: two roots above, any even number below.
+        // Expanded, the gap disappears in rounding below √ε: two roots above, any even number below.
         let found = roots(|x| x * x - (0.6 + 1e-7) * x + 0.3 * (0.3 + 1e-7));
         assert_eq!(found.len() % 2, 0);
-        // Touching from above: no sign change.
+        // Touching from above, without a sign change.
         assert_eq!(roots(|x| (x - 0.5) * (x - 0.5)), Vec::<f64>::new());
         assert_eq!(roots(|x| (x - 0.3).powi(3)).len(), 1);
     }

@@ -1,15 +1,15 @@
-//! [`Roughness`]: what kinks within a step make of it.
+//! [`Roughness`]: the effect of discontinuities within a step on its result.
 //!
-//! The polynomial u of a step has u' = Σ_{k<s} γ_k P_k with γ_k from the rule of s nodes; J∇H(u) along u
-//! itself has the coefficients γ̃_k. The end of the step is off by what of the defect J∇H(u) − u' comes to
-//! it, γ̃_0 − γ_0, and of γ̃_k − γ_k a share of about ϱ^k, if coefficients decay by ϱ. Of smooth motion
-//! that is of the order of the step's error, 2s; where a derivative of H jumps within the step it is what
-//! the rule of s nodes is off there. The γ̃_k are found by rules on either side of the first root of a
-//! switch, and between it and another one close behind: of 2s nodes on the longest piece, where there may
-//! be more roots, and of s on the others.
+//! The polynomial u of a step has u' = Σ_{k<s} γ_k P_k, with γ_k from the quadrature rule of s nodes. J∇H(u)
+//! along u has the coefficients γ̃_k. The residual J∇H(u) − u' causes an error of the end point: γ̃_0 − γ_0,
+//! and a share of about ϱ^k of γ̃_k − γ_k if the coefficients decay by ϱ. For smooth motion this is of the
+//! order 2s of the step. If a derivative of H jumps within the step, it is the error of the rule of s nodes
+//! at the jump. The γ̃_k are computed by separate rules on both sides of the first root of a switch, and
+//! between it and another root close behind: with 2s nodes on the longest piece, where there may be more
+//! roots, and with s nodes on the others.
 //!
-//! Neighbouring roots without a stage between them, or an end of the step and a root, may hide an obstacle
-//! that neither the stages nor these rules see: there J∇H(u) − u' is evaluated at two places.
+//! Neighbouring roots without a stage between them, or an end of the step and a root, may enclose an obstacle
+//! that neither the stages nor these rules see. J∇H(u) − u' is then evaluated at two positions between them.
 //!
 //! Cost: ∇H at 3s points, 4s with two roots, and at two more for each such pair.
 
@@ -19,23 +19,23 @@ use equip_scalar::Float;
 use equip_solver::{Core, MAX_STAGES};
 use equip_tableau::{Coefficients, legendre_at};
 
-/// Coefficients that are compared.
+/// The number of coefficients that are compared.
 const COMPARED: usize = 3;
 
 /// Workspace.
 #[derive(Debug)]
 pub(crate) struct Roughness<T: Float> {
-    /// Of s nodes, and of 2s.
+    /// The rules of s and of 2s nodes.
     rules: [Coefficients<T>; 2],
     field: Vec<T>,
-    /// P_k at a place.
+    /// P_k at a position.
     values: Vec<T>,
     /// h γ̃_k of component c at c·COMPARED + k.
     coefficients: Vec<T>,
 }
 
 impl<T: Float> Roughness<T> {
-    /// Of steps with these nodes of states with n components; none if there is no such rule.
+    /// For steps of this method and states with n components. `None` if there is no rule with 2s nodes.
     pub(crate) fn new(method: &Coefficients<T>, n: usize) -> Option<Self> {
         let fine = Coefficients::gauss((2 * method.stages()).min(MAX_STAGES)).ok()?;
         Some(Roughness {
@@ -46,8 +46,8 @@ impl<T: Float> Roughness<T> {
         })
     }
 
-    /// The largest ϱ^k (γ̃_k − γ_k) of a step of size `h` along `path`, with kinks at two roots and
-    /// ϱ = `rho`, as `decay` measures errors.
+    /// The largest ϱ^k (γ̃_k − γ_k) for a step of size `h` along `path`, with discontinuities at two roots
+    /// and ϱ = `rho`, relative to the admissible errors of `decay`.
     pub(crate) fn of_step(
         &mut self,
         core: &mut Core<T>,
@@ -81,9 +81,9 @@ impl<T: Float> Roughness<T> {
         most
     }
 
-    /// The largest that J∇H(u) − u' makes of the step of size `h` between neighbouring roots without a stage
-    /// between them: its value at two places times their distance, as `decay` measures errors. Between the
-    /// sides of a smooth obstacle the force vanishes in the middle.
+    /// The largest effect of J∇H(u) − u' on a step of size `h` between neighbouring roots without a stage
+    /// between them: its value at two positions times their distance, relative to the admissible errors of
+    /// `decay`. There are two positions because the force vanishes in the middle of a smooth obstacle.
     pub(crate) fn between_pairs(
         &mut self,
         core: &mut Core<T>,

@@ -1,12 +1,12 @@
-//! [`SwitchMemory`]: what a checkpoint keeps of the discontinuities of H.
+//! [`SwitchMemory`]: the state of the discontinuities of H in a checkpoint.
 
-/// What is known of the switches of H where the next step begins; empty of an H that has none.
+/// The state of the switches of H at the start of the next step; empty if H has none.
 #[derive(Debug, Clone, Default, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub(crate) struct SwitchMemory {
-    /// Of every one of them whether the step begins on it, and with which sign it continues.
+    /// For every switch, whether the step begins on the switch, and with which sign it continues.
     pub(crate) sides: Vec<Option<i8>>,
-    /// Whether the step before met knots of a table.
+    /// Whether the last step met knots of a table.
     pub(crate) is_among_knots: bool,
 }

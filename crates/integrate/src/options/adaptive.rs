@@ -1,4 +1,4 @@
-//! Options of steps by a tolerance.
+//! The options of steps by a tolerance.
 
 use crate::options::integrator::{Integrator, StepSizes};
 use crate::options::method::Method;
@@ -6,16 +6,16 @@ use crate::options::tolerance::Tolerance;
 use equip_scalar::Float;
 
 impl Method {
-    /// An integrator with variable steps whose error is about `tolerance` in each step, relative to the
-    /// motion within the step and of each component for itself: neither units nor masses matter. Energy and
-    /// quadratic invariants are conserved for any sequence of steps; position errors grow linearly in time.
+    /// An integrator with variable steps. The error of each step is about `tolerance`, relative to the change
+    /// over the step and for each component separately, so neither units nor masses matter. Energy and
+    /// quadratic invariants are conserved for any sequence of steps. Position errors grow linearly in time.
     ///
-    /// All sizes are positive, also of a run that goes back in time. A step that fails is shortened, not
-    /// halved. [`Integrator::reach`] applies only when shorter steps do not help either;
-    /// [`Integrator::output_at`] is served from dense output, with the accuracy of the steps.
+    /// All sizes are positive, also in a run backward in time. A step that fails is shortened by step control
+    /// instead of being halved. The states of [`Integrator::output_at`] come from dense output, with the
+    /// accuracy of the steps.
     ///
-    /// The estimate behind it is from the decay of Legendre coefficients; `docs/which-steps.md` shows
-    /// measured errors and tolerances.
+    /// The error estimate uses the decay of Legendre coefficients. `docs/which-steps.md` compares measured
+    /// errors with tolerances.
     pub fn tolerance<T: Float>(self, tolerance: T) -> Integrator<T> {
         let sizes = Tolerance {
             tolerance,
@@ -32,11 +32,11 @@ impl Method {
     }
 }
 
-/// Options of steps by a tolerance.
+/// The options of steps by a tolerance.
 impl<T: Float> Integrator<T> {
-    /// Errors of a step relative to its motion, without a unit, for components that are to have others than
-    /// the tolerance: of each of the m positions and momenta, or one for all of them; the tolerance where
-    /// empty.
+    /// The relative errors of a step, compared with the change over the step, for components that are to
+    /// differ from the tolerance. Each slice has one entry for each of the m positions or momenta, or one
+    /// entry for all; if it is empty, the tolerance applies.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -59,10 +59,10 @@ impl<T: Float> Integrator<T> {
         })
     }
 
-    /// Errors of a step that are allowed in addition to those relative to its motion, in the units of
-    /// positions and momenta: of each of the m components, or one for all of them. Zero by default.
+    /// The absolute errors of a step, in the units of positions and momenta, in addition to the relative
+    /// ones. Each slice has one entry for each of the m components, or one entry for all. Zero by default.
     ///
-    /// With it a step may be off in component c by `rtol` × its motion in the step + `atol`.
+    /// The admissible error of component c in a step is `rtol` × its change over the step + `atol`.
     #[must_use]
     pub fn atol(self, positions: &[T], momenta: &[T]) -> Self {
         self.by_tolerance("atol", |sizes| {
@@ -70,28 +70,28 @@ impl<T: Float> Integrator<T> {
         })
     }
 
-    /// Size of the first step; chosen from the motion at the start by default. Raised to the resolution of
-    /// time where it is below.
+    /// The size of the first step. By default it follows from the motion at the start. It is at least the
+    /// resolution of time.
     #[must_use]
     pub fn first_step(self, h: T) -> Self {
         self.by_tolerance("first_step", |sizes| sizes.first_step = Some(h))
     }
 
-    /// Smallest step; a run that needs a smaller one ends with
-    /// [`StepBelowMinimum`](crate::IntegrateError::StepBelowMinimum). Zero by default: the resolution of time
-    /// is the limit. A step cut to reach the end of the run may be smaller.
+    /// The smallest step. A run that needs a smaller one ends with
+    /// [`StepBelowMinimum`](crate::IntegrateError::StepBelowMinimum). Zero by default, so that the resolution
+    /// of time is the limit. A step that is shortened to meet the end of the run may be smaller.
     #[must_use]
     pub fn min_step(self, h: T) -> Self {
         self.by_tolerance("min_step", |sizes| sizes.min_step = h)
     }
 
-    /// Largest step; no limit by default.
+    /// The largest step. No limit by default.
     #[must_use]
     pub fn max_step(self, h: T) -> Self {
         self.by_tolerance("max_step", |sizes| sizes.max_step = h)
     }
 
-    /// Most steps of a run; a run that needs more ends with
+    /// The maximum number of steps of a run. A run that needs more ends with
     /// [`StepLimit`](crate::IntegrateError::StepLimit). No limit by default.
     #[must_use]
     pub fn max_steps(self, steps: u64) -> Self {

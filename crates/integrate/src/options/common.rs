@@ -1,4 +1,4 @@
-//! What the options of all step sizes have in common, and their checks.
+//! The options common to all step sizes, and their checks.
 
 use crate::error::IntegrateError;
 use crate::options::event::Event;
@@ -9,10 +9,10 @@ use equip_scalar::Float;
 use equip_solver::{Family, Invariant, MAX_STAGES, Preconditioner, Reach, StepOptions};
 use equip_tableau::{Coefficients, TableauError};
 
-/// What has to be the same again for a checkpoint to fit: names and values.
+/// The options that must agree with a checkpoint: names and values.
 pub(crate) type Words = Vec<(&'static str, String)>;
 
-/// A number as one would write it, in digits that read back to it.
+/// A number in decimal digits that are read back to the same number.
 pub(crate) fn in_digits<T: Float>(x: T) -> String {
     if T::IS_DOUBLE {
         format!("{x:?}")
@@ -34,7 +34,7 @@ pub(crate) fn coefficients<T: Float>(method: Method) -> Result<Coefficients<T>, 
     })
 }
 
-/// The error of an `option` that has this `value`, unless it is `ok`.
+/// An error for the `option` with this `value`, unless it is `ok`.
 pub(crate) fn check<T: Float>(
     ok: bool,
     option: &'static str,
@@ -67,7 +67,7 @@ pub(crate) struct Options<T: Float> {
     pub(crate) dense: bool,
     pub(crate) events: Vec<Event<T>>,
     pub(crate) chaos: bool,
-    /// An option that does not belong to the steps chosen.
+    /// An option that does not belong to the chosen kind of steps.
     pub(crate) misplaced: Option<&'static str>,
 }
 
@@ -94,7 +94,7 @@ impl<T: Float> Default for Options<T> {
 }
 
 impl<T: Float> Options<T> {
-    /// Checks everything that needs neither the Hamiltonian nor the sizes of the steps.
+    /// Checks everything that requires neither the Hamiltonian nor the sizes of the steps.
     pub(crate) fn validate(&self, method: Method) -> Result<StepOptions<T>, IntegrateError<T>> {
         if let Some(option) = self.misplaced {
             return Err(IntegrateError::MisplacedOption { option });
@@ -130,7 +130,7 @@ impl<T: Float> Options<T> {
         })
     }
 
-    /// Method and options in words.
+    /// Method and options as text.
     pub(crate) fn words(&self, method: Method) -> Words {
         let names = |x: &[Invariant]| {
             let names: Vec<_> = x.iter().map(Invariant::name).collect();
@@ -157,7 +157,7 @@ impl<T: Float> Options<T> {
         ]
     }
 
-    /// The interval, and the output times in it, in the order in which a run comes through them.
+    /// Checks the interval, and the output times in it, in the direction of the run.
     pub(crate) fn check_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
         if !start.is_finite() || !end.is_finite() {
             return Err(IntegrateError::Interval { start, end });

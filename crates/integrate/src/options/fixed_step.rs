@@ -4,7 +4,7 @@ use crate::error::IntegrateError;
 use crate::options::common::{Words, in_digits};
 use equip_scalar::Float;
 
-/// Steps of one size for the whole run, the last shorter if it does not divide the interval.
+/// Steps of one size for the complete run. The last one is shorter if the size does not divide the interval.
 #[derive(Debug, Clone)]
 pub(crate) struct Fixed<T> {
     pub(crate) h: T,

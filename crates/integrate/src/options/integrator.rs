@@ -1,4 +1,4 @@
-//! [`Integrator`]: a method with its steps and options, ready to integrate.
+//! [`Integrator`]: a method with its steps and options.
 
 use crate::options::common::{Options, Words};
 use crate::options::event::Event;
@@ -9,9 +9,9 @@ use crate::options::tolerance::Tolerance;
 use equip_scalar::Float;
 use equip_solver::{Invariant, Preconditioner, Reach};
 
-/// A method with the sizes of its steps and with options: fixed steps by [`Method::step`], steps by a
-/// tolerance by [`Method::tolerance`]. Options are checked when a run starts; one that does not belong to
-/// these steps is an [`IntegrateError::MisplacedOption`](crate::IntegrateError::MisplacedOption).
+/// A method with step sizes and options. [`Method::step`] gives fixed steps, [`Method::tolerance`] gives
+/// steps by a tolerance. Options are checked when a run starts. An option of the other kind of steps is an
+/// [`IntegrateError::MisplacedOption`](crate::IntegrateError::MisplacedOption).
 #[derive(Debug, Clone)]
 pub struct Integrator<T: Float> {
     pub(crate) method: Method,
@@ -19,7 +19,7 @@ pub struct Integrator<T: Float> {
     pub(crate) sizes: StepSizes<T>,
 }
 
-/// How steps are sized.
+/// The rule for the step sizes.
 #[derive(Debug, Clone)]
 pub(crate) enum StepSizes<T> {
     Fixed(Fixed<T>),
@@ -27,9 +27,9 @@ pub(crate) enum StepSizes<T> {
 }
 
 impl Method {
-    /// An integrator with the fixed step `h`, in the float type of `h`. A run over an interval goes its way
-    /// with steps of |h|, back in time too, and with h < 0 back only; one that is started and made step by
-    /// step goes back in time if h < 0.
+    /// An integrator with the fixed step `h`, in the float type of `h`. With h > 0 a run over an interval has
+    /// steps of size h in the direction of the interval. With h < 0 the interval must lead backward in time.
+    /// A run that is advanced step by step goes backward in time if h < 0.
     pub fn step<T: Float>(self, h: T) -> Integrator<T> {
         Integrator::new(self, StepSizes::Fixed(Fixed { h }))
     }
@@ -44,7 +44,7 @@ impl<T: Float> Integrator<T> {
         }
     }
 
-    /// Method, sizes and options in words: what has to be the same again for a checkpoint to fit.
+    /// Method, sizes and options as text, which must agree with a checkpoint.
     pub(crate) fn words(&self) -> Words {
         let mut words = match &self.sizes {
             StepSizes::Fixed(sizes) => sizes.words(),
@@ -54,8 +54,8 @@ impl<T: Float> Integrator<T> {
         words
     }
 
-    /// How often a fixed step whose stages do not converge may be halved, 10 by default; 0 never halves.
-    /// Steps by a tolerance are shortened instead.
+    /// How often a fixed step whose stages do not converge may be halved: 10 times by default, 0 never. Step
+    /// control shortens steps by a tolerance instead.
     #[must_use]
     pub fn max_halvings(mut self, halvings: u32) -> Self {
         match self.sizes {
@@ -65,23 +65,24 @@ impl<T: Float> Integrator<T> {
         self
     }
 
-    /// How far α_k may move the end point of a step to keep the energy; [`Reach::WithinError`] by default.
-    /// With a tolerance it is asked only when shorter steps do not help either.
+    /// How far the α_k may change the end point of a step to conserve the energy; [`Reach::WithinError`] by
+    /// default.
     #[must_use]
     pub fn reach(mut self, reach: Reach) -> Self {
         self.options.reach = reach;
         self
     }
 
-    /// Largest |α_k| accepted, 0.05 by default (dimensionless; it is added to ξ_k ≈ 1/(4k)). Where a step
-    /// needs more, halving it costs less accuracy than a large α does.
+    /// The largest admissible |α_k|, 0.05 by default (dimensionless; α_k is added to ξ_k ≈ 1/(4k)). If a step
+    /// would need a larger α, a shorter step costs less accuracy than a larger bound.
     #[must_use]
     pub fn alpha_bound(mut self, bound: T) -> Self {
         self.options.alpha_bound = bound;
         self
     }
 
-    /// How the stages are iterated; [`Preconditioner::Automatic`] by default. The solution is the same.
+    /// The preconditioner of the stages; [`Preconditioner::Automatic`] by default. The solution is the same
+    /// with each.
     #[must_use]
     pub fn preconditioner(mut self, preconditioner: Preconditioner) -> Self {
         self.options.preconditioner = preconditioner;
@@ -89,17 +90,17 @@ impl<T: Float> Integrator<T> {
     }
 
     /// Whether to evaluate H after steps that do not solve for it (Gauss, fixed α, quadratic H); on by
-    /// default. Fixed steps over which H changes as along no motion are halved, if it is evaluated.
+    /// default. If H is evaluated, a fixed step is halved if H changes over it more than along a solution.
     #[must_use]
     pub fn measure_energy(mut self, measure: bool) -> Self {
         self.options.measure_energy = measure;
         self
     }
 
-    /// Whether a gradient written by hand is compared with H: at the start, after steps 1, 2, 4, 8, … and
-    /// where a step fails or cannot keep the energy; on by default. A component that differs ends the run
-    /// with [`IntegrateError::WrongGradient`](crate::IntegrateError::WrongGradient). Without it steps are
-    /// taken as they are, whatever H changes by. Gradients derived from H need no check and cost nothing.
+    /// Whether a user-supplied gradient is compared with H: at the start, after steps 1, 2, 4, 8, …, and
+    /// where a step fails or is uncorrected. On by default. A component that differs ends the run with
+    /// [`IntegrateError::WrongGradient`](crate::IntegrateError::WrongGradient). Without this check steps are
+    /// accepted for any change of H. Gradients that are derived from H need no check, and cost nothing.
     #[must_use]
     pub fn check_gradient(mut self, check: bool) -> Self {
         self.options.check_gradient = check;
@@ -113,52 +114,52 @@ impl<T: Float> Integrator<T> {
         self
     }
 
-    /// A further invariant to be *kept* like the energy, by the same α_k: one more equation for them. For
-    /// invariants that are not quadratic; the quadratic ones are kept anyway. Needs a method that solves for
-    /// the α_k, with at least as many of them as equations: s − 1 ≥ 1 + the invariants kept. Where H depends
-    /// on time it is recorded [with time](equip_autodiff::Hamiltonian::with_time) as well.
+    /// A further invariant to be *conserved* like the energy, by the same α_k: one more equation for the α_k.
+    /// Intended for invariants that are not quadratic, since quadratic ones are conserved anyway. Requires a
+    /// method that solves for the α_k, with at least as many parameters as equations: s − 1 ≥ 1 + the number
+    /// of such invariants. If H depends on time, the invariant must be traced [with
+    /// time](equip_autodiff::Hamiltonian::with_time) as well.
     #[must_use]
     pub fn keep(mut self, invariant: Invariant) -> Self {
         self.options.kept.push(invariant);
         self
     }
 
-    /// Which steps the run keeps in memory; all by default.
+    /// Which steps the run stores; all by default.
     #[must_use]
     pub fn record(mut self, record: Record) -> Self {
         self.options.record = record;
         self
     }
 
-    /// Times at which the state is wanted besides the grid, within the interval and in the order in which the
-    /// run comes through them. Each costs one
-    /// extra step of the same method from the last grid point; the steps of the run do not change by a single
-    /// bit.
+    /// Additional times at which the state is computed, within the interval and in the direction of the run.
+    /// With fixed steps each costs one extra step of the same method from the last grid point. The steps of
+    /// the run do not change by a single bit.
     #[must_use]
     pub fn output_at(mut self, times: &[T]) -> Self {
         self.options.output_times = times.to_vec();
         self
     }
 
-    /// Keep dense output: [`Run::trajectory`](crate::Run::trajectory) gives the state at any time. The steps
-    /// do not change by a single bit; each costs one solve of twice as many stages more.
+    /// Stores dense output: [`Run::trajectory`](crate::Run::trajectory) gives the state at any time. The
+    /// steps do not change by a single bit. Each step costs one additional solve with twice as many stages.
     #[must_use]
     pub fn dense(mut self) -> Self {
         self.options.dense = true;
         self
     }
 
-    /// An event whose roots along the run are wanted; see [`Run::events`](crate::Run::events). The steps do
-    /// not change by a single bit; each costs one solve of twice as many stages more.
+    /// An event whose roots along the run are found; see [`Run::events`](crate::Run::events). The steps do
+    /// not change by a single bit. Each step costs one additional solve with twice as many stages.
     #[must_use]
     pub fn event(mut self, event: Event<T>) -> Self {
         self.options.events.push(event);
         self
     }
 
-    /// Carry a small deviation along: the certificate then has the largest Lyapunov exponent and MEGNO
-    /// ([`ChaosIndicators`](crate::ChaosIndicators)), and observers see them grow. The steps do not change by
-    /// a single bit; each costs s Hessians and a few linear iterations.
+    /// Propagates a tangent vector. The certificate then has the largest Lyapunov exponent and MEGNO
+    /// ([`ChaosIndicators`](crate::ChaosIndicators)), and observers see their development. The steps do not
+    /// change by a single bit. Each step costs s Hessians and a few linear iterations in addition.
     #[must_use]
     pub fn chaos(mut self) -> Self {
         self.options.chaos = true;

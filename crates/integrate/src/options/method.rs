@@ -1,22 +1,23 @@
-//! Which method: [`Equip`], [`Gauss`], one with a fixed α, or one of their relatives.
+//! The methods: [`Equip`], [`Gauss`], Gauss with a fixed α, HBVM and trapezoidal methods.
 
 use equip_scalar::Constant;
 use equip_solver::{Alphas, Family};
 use std::fmt;
 
-/// Nodes of the averaged vector field of an H that is no polynomial. // of 16 scenes with 100 steps a period
-/// the energy error is round-off in 13 with 8, 14 with 16, 15 with 32; one has a close encounter
+/// The number of nodes of the averaged vector field method if H is not a polynomial. // nodes; with 100 steps
+/// a period the energy error is round-off in 13 of 16 scenes with 8, in 14 with 16, in 15 with 32; one has a
+/// close encounter
 const MOST_NODES: usize = 16;
 
-/// Energy and quadratic invariants preserving methods: Gauss methods whose α_k are solved for at every step.
+/// Energy and quadratic invariants preserving methods: Gauss methods that solve for the α_k in every step.
 #[derive(Debug, Clone, Copy)]
 pub struct Equip;
 
 impl Equip {
-    /// EQUIP with s stages, order 2s, s ≥ 2; s ≥ 3 is the sensible choice, since s = 2 has a single α.
+    /// EQUIP with s ≥ 2 stages, order 2s. Use s ≥ 3: with s = 2 there is a single α.
     ///
-    /// The first three of α_1 … α_{s−1} move by default, or as many as there is to keep; [`Method::alphas`]
-    /// selects the single α of the paper.
+    /// By default the first three of α_1 … α_{s−1} are solved for, or as many as there are constraints.
+    /// [`Method::alphas`] selects the single α of the paper.
     pub fn stages(stages: usize) -> Method {
         Method {
             stages,
@@ -25,7 +26,7 @@ impl Equip {
     }
 }
 
-/// Gauss–Legendre collocation: α = 0. Quadratic invariants are kept, the energy is not.
+/// Gauss–Legendre collocation, α = 0. Quadratic invariants are conserved, the energy is not.
 #[derive(Debug, Clone, Copy)]
 pub struct Gauss;
 
@@ -39,7 +40,7 @@ impl Gauss {
     }
 }
 
-/// A method before it has a step: family and number of stages. Checked when the integration starts.
+/// A method without a step size: family and number of stages. Checked when the integration starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Method {
@@ -48,8 +49,8 @@ pub struct Method {
 }
 
 impl Method {
-    /// The method with α_{s−1} held at `alpha` (dimensionless), s ≥ 2: symplectic, symmetric, of order 2s −
-    /// 2.
+    /// The method with α_{s−1} fixed at `alpha` (dimensionless), s ≥ 2: symplectic, symmetric, of order 2s −
+    /// 2 if `alpha` is not zero.
     pub fn fixed_alpha(stages: usize, alpha: impl Into<Constant>) -> Method {
         Method {
             stages,
@@ -58,8 +59,8 @@ impl Method {
     }
 
     /// HBVM(k, s) with k Gauss nodes and degree s, 1 ≤ s ≤ k, of order 2s (Brugnano, Iavernaro, Trigiante
-    /// 2010). It conserves a polynomial H of degree ν ≤ 2k/s, and any other as far as k nodes integrate ∇H
-    /// along a step; no quadratic invariants.
+    /// 2010). It conserves a polynomial H of degree ν ≤ 2k/s, and any other H up to the quadrature error of
+    /// ∇H along a step. It conserves no quadratic invariants.
     ///
     /// ```
     /// use equip_integrate::Method;
@@ -72,8 +73,8 @@ impl Method {
         }
     }
 
-    /// The averaged vector field method, of order 2: y1 = y0 + h ∫₀¹ J∇H(y0 + c (y1 − y0)) dc. It is
-    /// HBVM(k, 1) with k = ⌈ν/2⌉ of a polynomial H of degree ν, else k = 16.
+    /// The averaged vector field method of order 2: y1 = y0 + h ∫₀¹ J∇H(y0 + c (y1 − y0)) dc. It is
+    /// HBVM(k, 1) with k = ⌈ν/2⌉ for a polynomial H of degree ν, at most 16, and with k = 16 otherwise.
     pub fn averaged_vector_field() -> Method {
         Method {
             stages: MOST_NODES,
@@ -90,7 +91,8 @@ impl Method {
         }
     }
 
-    /// The method of a name with its numbers: `hbvm=k,s`, `avf` or `trapezoidal=k`; none of any other.
+    /// The method with this name and its numbers: `hbvm=k,s`, `avf` or `trapezoidal=k`; `None` for any other
+    /// name.
     ///
     /// ```
     /// use equip_integrate::Method;
@@ -110,7 +112,7 @@ impl Method {
         }
     }
 
-    /// The method as it is for an energy of this degree, if it is a polynomial.
+    /// The method for an energy of this polynomial degree, `None` if it is not a polynomial.
     pub(crate) fn for_degree(mut self, degree: Option<u32>) -> Method {
         if let (Family::AveragedVectorField, Some(degree)) = (self.family, degree) {
             self.stages = (degree as usize).div_ceil(2).clamp(1, MOST_NODES);
@@ -118,7 +120,7 @@ impl Method {
         self
     }
 
-    /// Which α_k EQUIP solves for; no effect on the other families.
+    /// Selects the α_k that EQUIP solves for. No effect on the other families.
     #[must_use]
     pub fn alphas(mut self, alphas: Alphas) -> Method {
         if let Family::Equip(_) = self.family {
@@ -127,7 +129,7 @@ impl Method {
         self
     }
 
-    /// Number of stages.
+    /// The number of stages.
     pub fn stage_count(&self) -> usize {
         self.stages
     }
@@ -137,12 +139,13 @@ impl Method {
         self.family
     }
 
-    /// Degree s of the polynomial that a step is: the number of stages of all but HBVM and its relatives.
+    /// The degree s of the polynomial of a step: the number of stages, except for HBVM and trapezoidal
+    /// methods.
     pub fn degree(&self) -> usize {
         self.family.degree(self.stages)
     }
 
-    /// Order of the method: 2s, or 2s − 2 with a fixed α ≠ 0.
+    /// The order of the method: 2s, or 2s − 2 with a fixed α ≠ 0.
     pub fn order(&self) -> usize {
         match self.family {
             Family::FixedAlpha(alpha) if alpha.to::<f64>() != 0.0 => 2 * self.stages - 2,

@@ -1,4 +1,4 @@
-//! What a user asks for: steps, options, events.
+//! The options of a run: steps, method, events.
 
 pub(crate) mod adaptive;
 pub(crate) mod common;

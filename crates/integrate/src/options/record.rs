@@ -1,6 +1,6 @@
-//! [`Record`]: which steps a run keeps.
+//! [`Record`]: which steps a run stores.
 
-/// Which steps of the grid a [`Run`](crate::Run) keeps. The first and the last state are always kept.
+/// Which steps of the grid a [`Run`](crate::Run) stores. The first and the last state are always stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Record {
     /// Every step.
@@ -13,7 +13,7 @@ pub enum Record {
 }
 
 impl Record {
-    /// Whether step number `index` is kept.
+    /// Whether the step with this `index` is stored.
     pub(crate) fn keeps(self, index: u64) -> bool {
         match self {
             Record::All => true,

@@ -1,4 +1,4 @@
-//! [`Tolerance`]: sizes of steps that follow a tolerance.
+//! [`Tolerance`]: step sizes by a tolerance.
 
 use crate::control::estimate::Allowed;
 use crate::error::IntegrateError;
@@ -7,7 +7,7 @@ use crate::options::method::Method;
 use equip_scalar::Float;
 use equip_solver::MAX_STAGES;
 
-/// Sizes by a tolerance, within bounds.
+/// Step sizes by a tolerance, with bounds.
 #[derive(Debug, Clone)]
 pub(crate) struct Tolerance<T> {
     pub(crate) tolerance: T,
@@ -19,11 +19,11 @@ pub(crate) struct Tolerance<T> {
     pub(crate) max_steps: u64,
 }
 
-/// Names of the options.
+/// The names of the options.
 const RELATIVE: [&str; 2] = ["rtol (q)", "rtol (p)"];
 const ABSOLUTE: [&str; 2] = ["atol (q)", "atol (p)"];
 
-/// Fewest stages with coefficients to estimate an error from.
+/// The smallest degree with enough coefficients for an error estimate.
 const MIN_STAGES: usize = 2;
 
 impl<T: Float> Tolerance<T> {
@@ -101,7 +101,7 @@ impl<T: Float> Tolerance<T> {
         Ok(())
     }
 
-    /// The smallest relative error that any component is to have.
+    /// The smallest relative error of any component.
     pub(crate) fn tightest(&self) -> T {
         let of_group = |given: &Vec<T>| match given.as_slice() {
             [] => self.tolerance,
@@ -111,8 +111,8 @@ impl<T: Float> Tolerance<T> {
         of_group(q).min(of_group(p))
     }
 
-    /// What a step may be off, of all components: `pairs` positions and as many momenta of which the first
-    /// `m` are the user's. None if it is the tolerance of their motion.
+    /// The admissible errors of all components: `pairs` positions and as many momenta, of which the first `m`
+    /// belong to the user. `None` if the tolerance applies to all of them.
     pub(crate) fn allowed(
         &self,
         m: usize,

@@ -1,4 +1,4 @@
-//! What a run kept, measured.
+//! The certificate of a run: what the run conserved, as measured.
 
 use crate::options::method::Method;
 use crate::report::chaos_indicators::ChaosIndicators;
@@ -16,58 +16,58 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Certificate<T> {
-    /// What the first line says: `yes, on every step`, `NO: ` with the reasons, or `not requested` with the
-    /// largest error, as of Gauss's method.
+    /// The content of the first line: `yes, on every step`, `NO: ` with the reasons, or `not requested` with
+    /// the largest error, as for the Gauss method.
     /// [`energy_kept_on_every_step`](Certificate::energy_kept_on_every_step) is the same as a boolean.
     pub energy_conserved_to_round_off: String,
     /// The method.
     pub method: Method,
-    /// The fixed step; with variable steps their mean. Negative of a run back in time.
+    /// The fixed step, or the mean of variable steps. Negative for a run backward in time.
     pub step: T,
-    /// How the steps varied; `None` if they were fixed.
+    /// Statistics of variable steps; `None` if the steps were fixed.
     pub variable_steps: Option<VariableSteps<T>>,
-    /// Crossings of switches of H ([`Hamiltonian::switches`](equip_autodiff::Hamiltonian::switches)) at which
-    /// a step, or a part of a step of the grid, ended. Those that bend less than the tolerance are passed
-    /// over, and not counted.
+    /// The number of crossings of switches of H
+    /// ([`Hamiltonian::switches`](equip_autodiff::Hamiltonian::switches)) at which a step, or a part of a
+    /// step of the grid, ended. Switches whose effect is below the tolerance are ignored and not counted.
     pub switches_crossed: u64,
-    /// Those of them at which the value of H jumps; `None` without any.
+    /// The crossings at which the value of H jumps; `None` if there are none.
     pub energy_jumps: Option<EnergyJumps<T>>,
-    /// Time at the start.
+    /// The time at the start.
     pub start: T,
-    /// Time reached.
+    /// The time reached.
     pub end: T,
-    /// H at the start, H − H_ref over the run, less the energy that has gone in where H depends on time.
-    /// `None` if it was not measured.
+    /// H at the start and H − H_ref over the run. If H depends on time, the energy supplied from outside is
+    /// subtracted. `None` if the energy was not measured.
     pub energy: Option<Conserved<T>>,
-    /// Largest |H − H_ref| in units of its round-off level, over all steps, if they solve for the energy:
+    /// The largest |H − H_ref| in units of its round-off level, over all steps that solve for the energy,
     /// corrected or not.
     pub energy_in_round_off_levels: Option<T>,
-    /// The largest round-off level over the steps that conserved the energy, and the energies. `None` where
-    /// no step can conserve the energy or it was not measured.
+    /// The largest round-off level over the steps that conserved the energy, and the energies. `None` if no
+    /// step can conserve the energy, or the energy was not measured.
     pub energy_round_off: Option<EnergyRoundOff<T>>,
-    /// hω of the fastest motion, where it was largest of the steps looked at: steps 1, 2, 4, 8, … whose
-    /// iteration needed ∇²H or contracted slowly. `None` if there was none: hω then was small in these steps.
+    /// The largest hω of the fastest motion in the steps examined: those of the steps 1, 2, 4, 8, … whose
+    /// iteration needed ∇²H or converged slowly. `None` if there were none; hω was then small in these steps.
     pub phase_per_step: Option<PhasePerStep<T>>,
-    /// Errors of the invariants watched.
+    /// The errors of the invariants.
     pub invariants: Vec<Conserved<T>>,
-    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no
-    /// line in the text.
+    /// The smallest and largest α_1 … α_{s−1} of the run; empty if none was solved for. Parameters that were
+    /// always zero have no line in the text.
     pub alpha_range: Vec<(T, T)>,
-    /// Lyapunov exponent and MEGNO, if a deviation was followed.
+    /// Lyapunov exponent and MEGNO, if a tangent vector was propagated.
     pub chaos: Option<ChaosIndicators<T>>,
     /// Counts of work and of outcomes.
     pub counts: Counts,
-    /// Extra steps made for output times; their work is not in `counts`.
+    /// Extra steps for output times. Their work is not included in `counts`.
     pub output_steps: u64,
-    /// Steps whose outputs, dense output and events are those of the polynomial of their own stages, of order
-    /// s: the stages of a finer polynomial, of the order 2s of the step, were not found.
+    /// The number of steps whose outputs, dense output and events use the polynomial of their own stages, of
+    /// order s, because the stages of the refined polynomial of order 2s did not converge.
     pub coarse_outputs: u64,
-    /// Wall-clock time in seconds; 0 on a platform without a clock, WebAssembly in a browser.
+    /// Wall-clock time in seconds; 0 on a platform without a clock (WebAssembly in a browser).
     pub seconds: f64,
 }
 
 impl<T: Float> Certificate<T> {
-    /// Whether the steps resolve the fastest motion: hω ≤ s wherever it was looked at.
+    /// Whether the steps resolve the fastest motion: hω ≤ s in all steps examined.
     pub fn motion_is_resolved(&self) -> bool {
         let stages = self.method.degree();
         (self.phase_per_step).is_none_or(|phase| phase.is_resolved(stages))
@@ -94,7 +94,7 @@ impl<T: Float> fmt::Display for Certificate<T> {
 }
 
 impl<T: Float> Certificate<T> {
-    /// Label and text of every line; lines that the run does not have are left out.
+    /// Label and text of every line that applies to the run.
     fn lines(&self) -> Vec<(String, String)> {
         let counts = &self.counts;
         let mut lines = Vec::new();
@@ -261,7 +261,7 @@ impl<T: Float> Certificate<T> {
     }
 }
 
-/// Largest and last error of a quantity.
+/// The largest and the last error of a quantity.
 fn range_of<T: Float>(conserved: &Conserved<T>) -> String {
     if conserved.max.is_finite() {
         format!("max {:.2e}, end {:.2e}", conserved.max, conserved.end)

@@ -1,11 +1,11 @@
-//! [`ChaosIndicators`]: whether a run is regular or chaotic, in two numbers.
+//! [`ChaosIndicators`]: two numbers that distinguish regular from chaotic motion.
 
-/// What a propagated deviation tells of a run.
+/// Indicators of chaos from a propagated tangent vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChaosIndicators<T> {
     /// λ(t), per unit of time.
     pub lyapunov: T,
-    /// The mean of MEGNO over time.
+    /// The time average of MEGNO.
     pub megno: T,
 }

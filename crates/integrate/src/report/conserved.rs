@@ -1,21 +1,21 @@
-//! [`Conserved`]: how far a quantity has strayed along a run.
+//! [`Conserved`]: the error of a conserved quantity along a run.
 
 use crate::time::visible::visible;
 use equip_autodiff::{Evaluator, StateFunction};
 use equip_scalar::Float;
 use equip_solver::Invariant;
 
-/// How far a quantity has strayed from its value at the start.
+/// The difference of a quantity from its initial value.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Conserved<T> {
-    /// Name of the quantity.
+    /// The name of the quantity.
     pub name: String,
-    /// Its value at the start, in its own unit.
+    /// The initial value, in its own unit.
     pub start: T,
-    /// Largest absolute difference from it over all steps.
+    /// The largest absolute error over all steps.
     pub max: T,
-    /// Difference at the last step.
+    /// The error at the last step.
     pub end: T,
 }
 
@@ -29,21 +29,21 @@ impl<T: Float> Conserved<T> {
         }
     }
 
-    /// The quantity is compared with `start` from now on.
+    /// Sets the reference value.
     pub(crate) fn begin(&mut self, start: T) {
         (self.start, self.end) = (start, T::int(0));
     }
 
     pub(crate) fn see(&mut self, difference: T) {
         self.end = difference;
-        // Once infinite or NaN, always.
+        // An infinite error or NaN is final.
         if self.max.is_finite() && !(difference.abs() <= self.max) {
             self.max = difference.abs();
         }
     }
 }
 
-/// An invariant being watched in one float type.
+/// An invariant that is monitored in one float type.
 #[derive(Debug)]
 pub(crate) struct Watched<T: Float> {
     pub(crate) conserved: Conserved<T>,
@@ -58,13 +58,13 @@ impl<T: Float> Watched<T> {
         }
     }
 
-    /// The quantity is compared with its value at `y` and time `t` from now on.
+    /// Sets the reference value at `y` and time `t`.
     pub(crate) fn begin(&mut self, t: T, y: &[T]) {
         let value = self.value(t, y);
         self.conserved.begin(value);
     }
 
-    /// What evaluates the function, and the state as that takes it.
+    /// The evaluator of the function, and the state in the form that it takes.
     pub(crate) fn evaluator_at(&mut self, t: T, y: &[T]) -> (&mut Evaluator<T>, &[T]) {
         let (q, p) = visible(y, self.function.degrees_of_freedom());
         self.function.evaluator_at(t, q, p)

@@ -1,37 +1,37 @@
 //! [`EnergyRoundOff`]: the round-off level of H compared with the energies, during the run and at its end.
 //!
-//! A step conserves the energy to the round-off level of the moment: the running error bound of H there. Two
-//! things can make that an empty word. The level may be large compared with the energies themselves. Or it
-//! was large for a moment, as in a passage close to a singularity, and the error of that moment is still
-//! there when the energies are small again. The second shows at the end of the run only: the error at the
-//! end is compared with the energies of the time before the end, and with the round-off level at the end.
+//! A step conserves the energy to the current round-off level, the running error bound of H. In two cases
+//! this is meaningless. First, the level may be large compared with the energies themselves. Second, the
+//! level was large for a short time, as in a passage close to a singularity, and the error of that time is
+//! still there when the energies are small again. The second case shows at the end of the run only: the final
+//! error is compared with the energies just before the end, and with the final round-off level.
 
 use crate::control::policy::{MOST_ROUND_OFF, RECENT, STALE_LEVELS};
 use equip_scalar::Float;
 
-/// The largest round-off level of the energy over the steps that conserved it, and what it is compared with.
+/// The largest round-off level of the energy over the steps that conserved it, and the energies for
+/// comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyRoundOff<T> {
-    /// The round-off level, in the unit of H. Of a quadratic H, for which nothing is solved, |H − H_ref|.
+    /// The round-off level, in the unit of H; |H − H_ref| for a quadratic H, for which α is not solved.
     pub round_off: T,
-    /// Time of the step at whose end it was largest.
+    /// The time at the end of the step with the largest level.
     pub time: T,
-    /// |H_ref|; where the level is beyond √ε of that, the largest kinetic energy ½ |Σ p_i ∂H/∂p_i| seen
-    /// since, if it is larger.
+    /// |H_ref|; or, if the level exceeds √ε |H_ref|, the largest kinetic energy ½ |Σ p_i ∂H/∂p_i| since then, if that is larger.
     pub scale: T,
     /// The round-off level at the end of the last step that conserved the energy.
     pub last: T,
-    /// The mean kinetic energy over time, in which the time before the end counts most. Zero as long as no
-    /// level is beyond √ε of |H_ref|, which then is large compared with any error.
+    /// The time average of the kinetic energy, with most weight on the time before the end. Zero as long as
+    /// no level exceeds √ε |H_ref|; |H_ref| is then large compared with every error.
     pub recent_kinetic: T,
-    /// Whether H and all products of a component with its derivative were below the smallest normal number
-    /// where the run began, though not zero by their factors: what H is then shows nothing.
+    /// Whether H and all products of a component with its derivative were below the smallest normal number at
+    /// the start of the run, although their factors were not zero. The value of H is then meaningless.
     pub underflows: bool,
 }
 
 impl<T: Float> EnergyRoundOff<T> {
-    /// Of a run that begins at time `t` and the state `y`, where H is `h_ref` and ∇H the `gradient`.
+    /// For a run that begins at time `t` and state `y`, where H is `h_ref` and ∇H is `gradient`.
     pub(crate) fn new(t: T, h_ref: T, (y, gradient): (&[T], &[T])) -> Self {
         let zero = T::int(0);
         let mut factors = y.iter().zip(gradient);
@@ -50,16 +50,16 @@ impl<T: Float> EnergyRoundOff<T> {
         }
     }
 
-    /// Whether an error below the level says that the energy was conserved: the level is at most 1e-6 of the
-    /// scale. At rest where H = 0 there is nothing to lose.
+    /// Whether an error below the level means that the energy was conserved: the level is at most 1e-6 of the
+    /// scale. Also true if H = 0 at rest and the level is finite.
     pub fn is_small(&self) -> bool {
         let is_rest = self.scale == T::int(0) && self.round_off.is_finite() && !self.underflows;
         is_rest || self.round_off <= self.scale * T::ratio(1, MOST_ROUND_OFF)
     }
 
-    /// Whether an `error` of the energy at the end of the run, where H was `h_ref` at its start, is small
-    /// compared with the energies of the time before: at most 1e-6 of them, and at most √ε of them unless it
-    /// is the round-off level of the end.
+    /// Whether the final `error` of the energy is small compared with the recent energies: at most 1e-6 of
+    /// them, and at most √ε of them unless it is at the final round-off level. H was `h_ref` at the start of
+    /// the run.
     pub fn is_small_at_end(&self, error: T, h_ref: T) -> bool {
         let (error, energies) = (error.abs(), h_ref.abs().max(self.recent_kinetic));
         let is_recent =
@@ -68,8 +68,8 @@ impl<T: Float> EnergyRoundOff<T> {
         error == T::int(0) || (is_small && is_recent)
     }
 
-    /// A step has ended at time `t` with this round-off level, where H began with `h_ref`. The `kinetic`
-    /// energy there is evaluated only if it matters; it counts by the `share` of the run that the step is.
+    /// Records a step that ended at time `t` with this round-off level. H had the initial value `h_ref`. The
+    /// `kinetic` energy is evaluated only if it matters; its weight is the `share` of the step in the run.
     pub(crate) fn see(
         &mut self,
         (t, share): (T, T),
@@ -77,7 +77,7 @@ impl<T: Float> EnergyRoundOff<T> {
         kinetic: impl FnOnce() -> T,
     ) {
         self.last = round_off;
-        // Once NaN, always.
+        // NaN is final.
         if !(round_off <= self.round_off) && self.round_off.is_finite() {
             (self.round_off, self.time) = (round_off, t);
         }
@@ -90,7 +90,7 @@ impl<T: Float> EnergyRoundOff<T> {
     }
 }
 
-/// ½ |Σ p_i ∂H/∂p_i| over the first `m` momenta of y = (q, p), from ∇H there.
+/// ½ |Σ p_i ∂H/∂p_i| over the first `m` momenta of y = (q, p), from ∇H at y.
 pub(crate) fn kinetic_energy<T: Float>(y: &[T], gradient: &[T], m: usize) -> T {
     let half = y.len() / 2;
     let terms = y[half..][..m].iter().zip(&gradient[half..][..m]);

@@ -1,4 +1,4 @@
-//! [`Measured`]: what is measured along a run, for its certificate.
+//! [`Measured`]: the measurements along a run, for its certificate.
 
 use crate::control::frequency::Frequency;
 use crate::control::policy::SLOW;
@@ -12,47 +12,47 @@ use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::{Core, Outcome};
 
-/// Energy, invariants, α_k and sizes over the steps of a run.
+/// Energy, invariants, α_k and step sizes over a run.
 #[derive(Debug)]
 pub(crate) struct Measured<T: Float> {
     /// Whether the steps solve for the energy.
     is_solved: bool,
-    /// Whether it is evaluated after steps that do not.
+    /// Whether the energy is evaluated after steps that do not solve for it.
     is_evaluated: bool,
     pub(crate) energy: Option<Conserved<T>>,
-    /// The largest energy error in round-off levels, of steps that solve for the energy.
+    /// The largest energy error in round-off levels, for steps that solve for the energy.
     pub(crate) in_levels: Option<T>,
     pub(crate) energy_round_off: Option<EnergyRoundOff<T>>,
     /// The round-off level of H at the last step.
     pub(crate) round_off: Option<T>,
-    /// The invariants, conserved ones first.
+    /// The invariants; those that are constraints come first.
     pub(crate) watched: Vec<Watched<T>>,
     pub(crate) alpha_range: Vec<(T, T)>,
     pub(crate) phase_per_step: Option<PhasePerStep<T>>,
     frequency: Frequency<T>,
-    /// Crossings of discontinuities at which a step, or a part of one, ended.
+    /// The number of crossings of discontinuities at which a step, or a part of a step, ended.
     pub(crate) switches_crossed: u64,
     pub(crate) energy_jumps: Option<EnergyJumps<T>>,
-    /// The sizes of variable steps.
+    /// The statistics of variable steps.
     pub(crate) variable: Option<VariableSteps<T>>,
 }
 
-/// The step made last.
+/// The last step.
 pub(crate) struct LastStep<'a, T> {
     /// The state at its end, of which the first `m` positions and momenta are the user's.
     pub(crate) y: &'a [T],
     pub(crate) m: usize,
-    /// Time at its end, its size, and the time from the start of the run.
+    /// The time at its end, its size, and the time since the start of the run.
     pub(crate) time: T,
     pub(crate) h: T,
     pub(crate) elapsed: T,
     pub(crate) outcome: Outcome,
-    /// The energy that it is compared with.
+    /// The reference of the energy.
     pub(crate) h_ref: T,
 }
 
 impl<T: Float> Measured<T> {
-    /// Of a run of `system` with so many α_k, whose steps solve for the energy or do not.
+    /// For a run of `system` with `alphas` parameters α_k. The steps solve for the energy if `is_solved`.
     pub(crate) fn new(
         system: &Hamiltonian,
         options: &Options<T>,
@@ -78,7 +78,7 @@ impl<T: Float> Measured<T> {
         }
     }
 
-    /// Begins anew with a run from `y` at `t0`, where H is `h_ref` and its gradient is `gradient`.
+    /// Begins a new run from `y` at `t0`, where H is `h_ref` and its gradient is `gradient`.
     pub(crate) fn restart(&mut self, t0: T, h_ref: T, (y, gradient): (&[T], &[T])) {
         let zero = T::int(0);
         (self.switches_crossed, self.energy_jumps) = (0, None);
@@ -93,7 +93,7 @@ impl<T: Float> Measured<T> {
         }
     }
 
-    /// Energy and invariants are compared with their values at `y` and `t` from now on; H is `h_ref` there.
+    /// Sets the references of energy and invariants to their values at `y` and `t`, where H is `h_ref`.
     pub(crate) fn refer_to(&mut self, t: T, h_ref: T, y: &[T]) {
         self.round_off = None;
         if let Some(seen) = &mut self.energy_round_off {
@@ -107,10 +107,10 @@ impl<T: Float> Measured<T> {
         }
     }
 
-    /// Energy, invariants and α_k of the step just made; `gradient` is room for ∇H.
+    /// Records energy, invariants and α_k of the last step. `gradient` is workspace for ∇H.
     pub(crate) fn see(&mut self, core: &mut Core<T>, last: &LastStep<'_, T>, gradient: &mut [T]) {
         self.round_off = None;
-        // Zero is in all of them from the beginning.
+        // Every range contains zero from the start.
         if !core.alphas_are_zero() {
             for (range, &alpha) in self.alpha_range.iter_mut().zip(core.alphas()) {
                 *range = (range.0.min(alpha), range.1.max(alpha));
@@ -154,8 +154,8 @@ impl<T: Float> Measured<T> {
         }
     }
 
-    /// hω of the step of size `h` just made to `y`, unless its iteration contracted without ∇²H as it does
-    /// where hω is small.
+    /// Records hω of the last step, of size `h`, which ended at `y`. Skipped if its iteration was not
+    /// preconditioned and converged as fast as for small hω.
     pub(crate) fn see_phase(&mut self, core: &mut Core<T>, y: &[T], h: T) {
         let is_slow = core.contraction().is_some_and(|rate| rate > SLOW);
         if !is_slow && !core.is_preconditioned() {
@@ -167,7 +167,7 @@ impl<T: Float> Measured<T> {
         self.phase_per_step = Some(phase.max(self.phase_per_step));
     }
 
-    /// A step, or a part of one, has ended on `count` discontinuities, where H jumps by so much.
+    /// Records that a step, or a part of a step, ended on `count` discontinuities, where H jumps by `jump`.
     pub(crate) fn cross(&mut self, count: u64, jump: Option<T>) {
         self.switches_crossed += count;
         if let Some(jump) = jump {

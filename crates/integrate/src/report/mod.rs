@@ -1,4 +1,4 @@
-//! What a run has kept, measured.
+//! The certificate of a run and its measurements.
 
 pub(crate) mod certificate;
 pub(crate) mod chaos_indicators;

@@ -1,25 +1,25 @@
-//! [`VariableSteps`]: what step control did in a run.
+//! [`VariableSteps`]: statistics of step control in a run.
 
 use equip_scalar::Float;
 
-/// What step control did.
+/// Statistics of step control.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VariableSteps<T> {
     /// The requested tolerance.
     pub tolerance: T,
-    /// Smallest step taken; a step cut to reach the end of the run does not count.
+    /// The smallest accepted step. A step shortened to meet the end of the run does not count.
     pub smallest: T,
-    /// Largest step taken.
+    /// The largest accepted step.
     pub largest: T,
-    /// Steps made and refused because their error estimate was too large.
+    /// The number of steps rejected because of their error estimate.
     pub rejected: u64,
-    /// Steps refused because their stages or α_k were not found.
+    /// The number of steps that failed because their stages or α_k were not found.
     pub failed: u64,
 }
 
 impl<T: Float> VariableSteps<T> {
-    /// Of a run that begins.
+    /// For a run that begins.
     pub(crate) fn new(tolerance: T) -> Self {
         VariableSteps {
             tolerance,

@@ -9,10 +9,10 @@ use equip_scalar::Float;
 use equip_solver::Outcome;
 
 impl<T: Float> Certificate<T> {
-    /// Whether every step conserved the energy to round-off: solved, at the round-off level, quadratic, or
-    /// halved and then solved, and neither the round-off level nor the error at the end is large compared
-    /// with the energies ([`EnergyRoundOff`]), so that the word means something. An energy that was infinite
-    /// or NaN anywhere, has jumped or underflows was not conserved.
+    /// Whether every step conserved the energy to round-off. Every step must be solved, at the round-off
+    /// level, or quadratic; a halved step has the outcome of its worse half. In addition neither the
+    /// round-off level nor the final error may be large compared with the energies ([`EnergyRoundOff`]). An
+    /// energy that was infinite or NaN, has jumped, or underflows was not conserved.
     pub fn energy_kept_on_every_step(&self) -> bool {
         self.counts.outcome(Outcome::NotAsked) == 0 && self.reason().is_none()
     }
@@ -42,7 +42,7 @@ impl<T: Float> Certificate<T> {
         }
     }
 
-    /// Why the energy was not conserved, the first reason of several; none if it was.
+    /// The first reason why the energy was not conserved; `None` if it was conserved.
     fn reason(&self) -> Option<String> {
         let (uncorrected, steps) = (self.counts.uncorrected(), self.counts.steps);
         if uncorrected > 0 {
@@ -62,7 +62,7 @@ impl<T: Float> Certificate<T> {
             .and_then(|level| self.reason_of(level))
     }
 
-    /// Why an energy whose error was below the round-off level at every step was not conserved.
+    /// Why the energy was not conserved although its error was below the round-off level at every step.
     fn reason_of(&self, level: &EnergyRoundOff<T>) -> Option<String> {
         if level.underflows && level.scale == T::int(0) {
             return Some("H underflows to 0; choose units in which it does not".to_owned());

@@ -1,4 +1,4 @@
-//! The deviation that a whole run follows, if it was asked to.
+//! The tangent vector that a complete run propagates, if requested.
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
@@ -8,11 +8,10 @@ use crate::tangent::chaos::{Chaos, any_deviation};
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
-/// What a whole run with `options` follows, if it follows anything, from its start or from the checkpoint it
-/// goes on from.
+/// The tangent vector of a run with `options`, if requested, from its start or from the checkpoint `from`.
 ///
 /// # Errors
-/// A checkpoint of a run that followed no deviation where this one does, or the other way round.
+/// The checkpoint has a tangent vector and the options have none, or vice versa.
 pub(crate) fn chaos_of_run<T: Float>(
     system: &Hamiltonian,
     options: &Options<T>,

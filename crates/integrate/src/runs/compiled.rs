@@ -1,5 +1,5 @@
-//! What is compiled once, with this crate, for `f64` and double-double ([`equip_scalar::ready!`]): a run is
-//! started, stepped, resumed and made as a whole by one call each.
+//! The functions compiled once with this crate for `f64` and double-double ([`equip_scalar::ready!`]):
+//! starting, stepping, resuming and completing a run take one call each.
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
@@ -11,7 +11,7 @@ use crate::steppers::view::{Step, StepView};
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
-/// The functions of runs, each as it is called.
+/// The functions by name.
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
@@ -42,12 +42,12 @@ fn advance_to<T: Float>(steps: &mut Stepper<T>, t: T) -> Result<(), IntegrateErr
 }
 
 impl<T: Float> Integrator<T> {
-    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step. It goes forward
-    /// in time, back if its step is negative, and either way by `advance_to` and `turn_back` of what makes
-    /// its steps.
+    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without a step. The run goes forward in
+    /// time, or backward if its step is negative. `advance_to` and `turn_back` of the stepper change the
+    /// direction.
     ///
     /// # Errors
-    /// Every fault of options, steps and initial values, and an H that is not finite at the start.
+    /// Invalid options, steps or initial values, or H not finite at the start.
     pub fn start(
         &self,
         system: &Hamiltonian,
@@ -58,7 +58,7 @@ impl<T: Float> Integrator<T> {
         self.start_towards(system, (q0, p0), t0, None)
     }
 
-    /// The same, to go `towards` a time if that is known.
+    /// The same in the direction of the time `towards`, if it is known.
     pub(crate) fn start_towards(
         &self,
         system: &Hamiltonian,
@@ -71,12 +71,12 @@ impl<T: Float> Integrator<T> {
         Ok(stepper)
     }
 
-    /// The run that `checkpoint` was made of, at the step where it was made. Bit for bit the same as if it
-    /// had not stopped.
+    /// Resumes the run of `checkpoint` at the step of the checkpoint. The run continues bit for bit as if it
+    /// had not been interrupted.
     ///
     /// # Errors
-    /// When the checkpoint was made in another float type, with another method, other options or another H,
-    /// or is damaged; every fault of [`start`](Self::start).
+    /// The checkpoint was made in another float type, with another method, other options or another H, or is
+    /// damaged; also the errors of [`start`](Self::start).
     pub fn resume(
         &self,
         system: &Hamiltonian,
@@ -87,20 +87,20 @@ impl<T: Float> Integrator<T> {
 }
 
 impl<T: Float> Stepper<T> {
-    /// Makes the next step, the way the run goes: forward in time, or back if its fixed step is negative or
-    /// it was [turned back](Self::turn_back).
+    /// Makes the next step in the direction of the run: forward in time, or backward if its fixed step is
+    /// negative or it was [turned back](Self::turn_back).
     ///
     /// # Errors
-    /// When the step cannot be made; the state then is that before the step, and may be read or stepped
-    /// again.
+    /// If the step fails. The state is then the one before the step; it may be read, and the step may be
+    /// tried again.
     pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
         (ready::<T>().advance)(self)?;
         Ok(self.view())
     }
 
-    /// Goes to the time `t`, forward or back, which the last step meets exactly. Fixed steps are those of the
-    /// grid, and a shorter one if `t` is none of its points; the grid then begins anew there. At `t` already,
-    /// no step is made.
+    /// Advances to the time `t`, forward or backward; the last step ends exactly at `t`. Fixed steps are on
+    /// the grid, with a shorter one if `t` is not a point of the grid; the grid then begins anew at `t`. If
+    /// the run is at `t` already, no step is made.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -115,8 +115,8 @@ impl<T: Float> Stepper<T> {
     /// ```
     ///
     /// # Errors
-    /// A time that is not finite, and a step that cannot be made; the run then is where the last good one
-    /// ended.
+    /// A time that is not finite, or a step that fails. The run is then at the end of the last successful
+    /// step.
     pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
         (ready::<T>().advance_to)(self, t)?;
         Ok(self.view())

@@ -1,4 +1,4 @@
-//! Whole runs over an interval, with steps of any kind.
+//! Complete runs over an interval, with steps of any kind.
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::options::integrator::Integrator;
@@ -15,8 +15,8 @@ use equip_scalar::Float;
 use std::ops::RangeInclusive;
 
 impl<T: Float> Integrator<T> {
-    /// Integrates from (`q0`, `p0`), each of length m, over `interval`: forward in time, or back from its
-    /// start if its end lies before that.
+    /// Integrates from (`q0`, `p0`), each of length m, over `interval`: forward in time, or backward if its
+    /// end precedes its start.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -31,12 +31,11 @@ impl<T: Float> Integrator<T> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// Fixed steps are on the grid t0 + n h, and a last, shorter one reaches the end if h does not divide the
-    /// interval; variable ones meet the end, where a step of the proposed size would leave a sliver with two
-    /// equal ones.
+    /// Fixed steps are on the grid t0 + n h, with a shorter last step if h does not divide the interval.
+    /// Variable steps meet the end; two equal steps replace a step that would leave a very short remainder.
     ///
     /// # Errors
-    /// [`RunFailure`], which carries the part that was made.
+    /// [`RunFailure`], which contains the part of the run up to the failure.
     pub fn integrate(
         &self,
         system: &Hamiltonian,
@@ -47,10 +46,10 @@ impl<T: Float> Integrator<T> {
         self.integrate_observed(system, q0, p0, interval, &mut NoObserver)
     }
 
-    /// The same, with an observer that sees every step and may end the run.
+    /// The same with an observer, which sees every step and may end the run.
     ///
     /// # Errors
-    /// [`RunFailure`], which carries the part that was made.
+    /// [`RunFailure`], which contains the part of the run up to the failure.
     pub fn integrate_observed(
         &self,
         system: &Hamiltonian,
@@ -65,13 +64,13 @@ impl<T: Float> Integrator<T> {
         (ready::<T>().run)(self, system, &mut stepper, (t1, None), observer)
     }
 
-    /// Resumes the run that `checkpoint` was made of, to time `end`. The run that comes back begins at
-    /// the checkpoint; its certificate is that of the whole. Steps are bit for bit those of the run that had
-    /// not stopped; of variable ones up to the two that meet the end, and a checkpoint made after these goes
-    /// on from there with steps of its own.
+    /// Resumes the run of `checkpoint` to the time `end`. The returned run begins at the checkpoint; its
+    /// certificate covers the complete run. The steps agree bit for bit with those of a run without
+    /// interruption, except for the last two variable steps, which meet the end. A checkpoint made after
+    /// those two continues with other steps.
     ///
     /// # Errors
-    /// Those of [`resume`](Self::resume), a checkpoint that is not on the grid of fixed steps, and
+    /// The errors of [`resume`](Self::resume), a checkpoint that is not on the grid of fixed steps, and
     /// [`RunFailure`].
     pub fn integrate_from(
         &self,
@@ -92,7 +91,7 @@ impl<T: Float> Integrator<T> {
 }
 
 impl<T: Float> Integrator<T> {
-    /// A run of `stepper`, which has begun or been resumed, to `end`.
+    /// Continues the run of `stepper`, which has been started or resumed, to `end`.
     pub(crate) fn run(
         &self,
         system: &Hamiltonian,
@@ -106,7 +105,8 @@ impl<T: Float> Integrator<T> {
         let (now, direction) = (inner.time, inner.direction);
         let times = &self.options.output_times;
         let times = &times[times.partition_point(|&t| direction.is_before(t, now))..];
-        // Where the next time is known outputs take steps of their own, which the run must not feel.
+        // If the time after the next step is known, outputs are computed by separate steps, which must not
+        // affect the run.
         let by_steps = stepper.control.next_time().is_some();
         let outputs = match times {
             [] => None,

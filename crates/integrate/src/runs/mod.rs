@@ -1,4 +1,4 @@
-//! Whole runs over an interval.
+//! Complete runs over an interval.
 
 pub(crate) mod chaos_watch;
 pub(crate) mod compiled;

@@ -1,4 +1,4 @@
-//! Observers: code of the user's that sees every step and may end the run.
+//! Observers: user code that sees every step and may end the run.
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::steppers::view::StepView;
@@ -6,15 +6,15 @@ use std::ops::ControlFlow;
 
 /// Sees every accepted step. Closures `|view: &StepView<T>| -> ControlFlow<()>` are observers.
 pub trait Observer<T> {
-    /// Called after every step; `ControlFlow::Break(())` ends the run with what has been made so far.
+    /// Called after every step. `ControlFlow::Break(())` ends the run with the results so far.
     fn step(&mut self, view: &StepView<'_, T>) -> ControlFlow<()>;
 
-    /// Asked after every step: whether a checkpoint is wanted now. Never, by default.
+    /// Called after every step: whether a checkpoint is wanted now. Never, by default.
     fn wants_checkpoint(&mut self) -> bool {
         false
     }
 
-    /// Takes the checkpoint it wanted; `ControlFlow::Break(())` ends the run.
+    /// Receives the checkpoint. `ControlFlow::Break(())` ends the run.
     fn checkpoint(&mut self, checkpoint: Checkpoint) -> ControlFlow<()> {
         let _ = checkpoint;
         ControlFlow::Continue(())
@@ -27,7 +27,7 @@ impl<T, F: FnMut(&StepView<'_, T>) -> ControlFlow<()>> Observer<T> for F {
     }
 }
 
-/// The observer that watches nothing.
+/// The observer that does nothing.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoObserver;
 

@@ -6,8 +6,8 @@ use crate::steppers::integration::Integration;
 use equip_scalar::Float;
 use equip_solver::Part;
 
-/// States at chosen times: one step of the same method from the last grid point, to each. Where no such step
-/// can be made, the polynomial of the stages of the step that goes on from there, once it is made.
+/// States at chosen times, each by one step of the same method from the last grid point. If such a step
+/// fails, the state comes from the polynomial of the stages of the following step of the run.
 #[derive(Debug)]
 pub(crate) struct Outputs<'a, T: Float> {
     stepper: Integration<T>,
@@ -16,7 +16,7 @@ pub(crate) struct Outputs<'a, T: Float> {
 }
 
 impl<'a, T: Float> Outputs<'a, T> {
-    /// The steps are made by `stepper`.
+    /// The extra steps are made by `stepper`.
     pub(crate) fn new(stepper: Integration<T>, times: &'a [T]) -> Self {
         Outputs {
             stepper,
@@ -25,13 +25,13 @@ impl<'a, T: Float> Outputs<'a, T> {
         }
     }
 
-    /// The run continues from another state within the step: outputs beyond it are made again.
+    /// Called if the run continues from another state within the step: the outputs beyond it are recomputed.
     pub(crate) fn rewind(&mut self, run: &Run<T>) {
         self.done = run.output_count();
     }
 
-    /// Makes the outputs before `end`, or all that are left, starting from the state that `main` has now, up
-    /// to one that no step leads to.
+    /// Computes the outputs before `end`, or all remaining ones, from the present state of `main`, up to the
+    /// first one whose step fails.
     pub(crate) fn up_to(&mut self, main: &Integration<T>, end: Option<T>, run: &mut Run<T>) {
         let is_due = |time: T| end.is_none_or(|end| main.direction.is_before(time, end));
         while let Some(&time) = self.times.get(self.done).filter(|&&time| is_due(time)) {
@@ -44,7 +44,7 @@ impl<'a, T: Float> Outputs<'a, T> {
                         run.output(time, y);
                         run.certificate.output_steps += 1;
                     }
-                    // The end of the run, but for rounding.
+                    // The output is at the end of the run, up to rounding.
                     Err(_) if end.is_none() => run.output(time, &main.y.hi),
                     Err(_) => return,
                 }
@@ -55,7 +55,7 @@ impl<'a, T: Float> Outputs<'a, T> {
         }
     }
 
-    /// The outputs within the step that `main` has just made that no other step has led to.
+    /// Computes the outputs within the last step of `main` whose separate steps failed.
     pub(crate) fn within(&mut self, main: &Integration<T>, run: &mut Run<T>) {
         let is_due = |time: T| main.direction.is_before(time, main.time());
         let mut y = Vec::new();

@@ -1,4 +1,5 @@
-//! [`Prepared`]: everything of a run but its start, made once for many.
+//! [`Prepared`]: everything about a run that does not depend on its initial state, computed once for many
+//! runs.
 
 use crate::error::IntegrateError;
 use crate::options::integrator::Integrator;
@@ -10,8 +11,8 @@ use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
 
-/// A method with its options, ready for one Hamiltonian: tables, workspace and machine code are made, and
-/// runs can be started from any number of states.
+/// A method with its options, prepared for one Hamiltonian: tables, workspace and machine code exist, and
+/// runs can be started from any number of initial states.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -36,10 +37,10 @@ pub struct Prepared<T: Float> {
 }
 
 impl<T: Float> Integrator<T> {
-    /// Makes everything ready that does not depend on where a run starts.
+    /// Prepares everything that does not depend on the initial state.
     ///
     /// # Errors
-    /// Every fault of options and steps.
+    /// Invalid options and steps.
     pub fn prepare(&self, system: &Hamiltonian) -> Result<Prepared<T>, IntegrateError<T>> {
         Ok(Prepared {
             stepper: (ready::<T>().make)(self, system)?,
@@ -50,11 +51,11 @@ impl<T: Float> Integrator<T> {
 }
 
 impl<T: Float> Prepared<T> {
-    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, and lends what makes its steps: those of
-    /// [`Integrator::start`] bit for bit. Costs less than two steps and allocates nothing.
+    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, and returns its stepper. The steps agree
+    /// bit for bit with those of [`Integrator::start`]. Costs less than two steps, and allocates nothing.
     ///
     /// # Errors
-    /// Faults of the initial values, and an H that is not finite there.
+    /// Invalid initial values, or H not finite at the initial state.
     pub fn start(
         &mut self,
         q0: &[T],
@@ -68,7 +69,7 @@ impl<T: Float> Prepared<T> {
     /// Integrates from (`q0`, `p0`), each of length m, over `interval`; see [`Integrator::integrate`].
     ///
     /// # Errors
-    /// [`RunFailure`], which carries the part that was made.
+    /// [`RunFailure`], which contains the part of the run up to the failure.
     pub fn integrate(
         &mut self,
         q0: &[T],
@@ -78,10 +79,10 @@ impl<T: Float> Prepared<T> {
         self.integrate_observed(q0, p0, interval, &mut NoObserver)
     }
 
-    /// The same, with an observer that sees every step and may end the run.
+    /// The same with an observer, which sees every step and may end the run.
     ///
     /// # Errors
-    /// [`RunFailure`], which carries the part that was made.
+    /// [`RunFailure`], which contains the part of the run up to the failure.
     pub fn integrate_observed(
         &mut self,
         q0: &[T],

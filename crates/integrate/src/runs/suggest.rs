@@ -1,18 +1,18 @@
-//! Advice on a fixed step, from H's second derivatives at the start and from trial runs.
+//! Suggestions for a fixed step, from the second derivatives of H at the start and from trial runs.
 //!
-//! *Pace.* A step turns the fastest motion at the start, of frequency ω ([`crate::control::frequency`]), by
-//! the phase hω.
+//! *Phase.* The phase of the fastest motion at the start is hω per step, with ω from
+//! [`crate::control::frequency`].
 //!
-//! *Target.* With order 2s errors go like h^{2s}: a trial with n steps over the interval has the error e,
-//! measured against one with 2n, and
+//! *Target.* With order 2s errors are proportional to h^{2s}. A trial with n steps over the interval has the
+//! error e, measured against a trial with 2n steps. Then
 //!
 //! $$ n^+ = n \Big( \frac{e}{\mathrm{target}} \Big)^{1/(2s)} $$
 //!
-//! steps would meet the target. From a phase of s/4 on this is iterated until a trial has met it, as most do
-//! at the third; what is returned was tried, not extrapolated.
+//! steps would meet the target. The search starts with a phase of s/4 and continues until a trial has met the
+//! target, usually the third. The returned step was tried, not extrapolated.
 //!
-//! Cost: per trial 3n steps for a trajectory, n for the energy. The interval should be one in which the
-//! motion has shown what it does, such as a period.
+//! Cost: for each trial 3n steps for a trajectory, n for the energy. The interval should contain the typical
+//! motion, for example one period.
 
 use crate::control::frequency::Frequency;
 use crate::control::policy::{GOOD_ENOUGH, MOST_TRIES, SAFETY};
@@ -30,26 +30,27 @@ use equip_scalar::power::power;
 use equip_solver::Family;
 use std::ops::RangeInclusive;
 
-/// Most steps of a trial, and most numbers of its states.
+/// The maximum number of steps of a trial, and of numbers in its states.
 const MOST_STEPS: f64 = 1e6;
 const MOST_NUMBERS: f64 = 5e7;
 
-/// What a suggested step is to reach.
+/// The goal of a suggested step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Target<T> {
-    /// The fastest motion at the start turns by this phase in a step; 6.3 is a whole turn. Nothing is tried.
+    /// The phase of the fastest motion at the start per step; 6.3 is a complete revolution. No trials are
+    /// run.
     Phase(T),
     /// The largest error of a position or momentum within the interval, in their units.
     Trajectory(T),
-    /// The largest |H − H(0)| within the interval of the *Gauss* method with as many stages: what the α_k of
-    /// EQUIP have to take away.
+    /// The largest |H − H(0)| within the interval for the *Gauss* method with the same number of stages: the
+    /// energy error that the α_k of EQUIP must remove.
     Energy(T),
 }
 
 impl Method {
-    /// A fixed step for this method that reaches `target` from (`q0`, `p0`) over `interval`, which it
-    /// divides: a size, without a sign.
+    /// A fixed step for this method that reaches `target` from (`q0`, `p0`) over `interval`, and divides the
+    /// interval. The step has no sign.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -63,11 +64,10 @@ impl Method {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// # Errors
-    /// A target that is not positive, one below what rounding leaves
-    /// ([`IntegrateError::TargetBelowRoundOff`]), one that no trial of reasonable length reaches
-    /// ([`IntegrateError::TargetNotReached`]), a phase where H's second derivatives vanish, and every fault
-    /// of the start.
+    /// A target that is not positive, a target below the round-off errors
+    /// ([`IntegrateError::TargetBelowRoundOff`]), a target that no trial of reasonable length reaches
+    /// ([`IntegrateError::TargetNotReached`]), a phase although the second derivatives of H vanish, and the
+    /// errors of the start.
     pub fn suggest_step<T: Float>(
         self,
         system: &Hamiltonian,
@@ -80,11 +80,11 @@ impl Method {
         self.suggest_step_observed(system, q0, p0, interval, target, observer)
     }
 
-    /// The same, with an observer that sees every step of every trial and may end the search: the step is
-    /// then the longest that has met the target so far, or that of the last trial.
+    /// The same with an observer, which sees every step of every trial and may end the search. The result is
+    /// then the longest step that has met the target so far, or the step of the last trial.
     ///
     /// # Errors
-    /// As of [`suggest_step`](Self::suggest_step).
+    /// The errors of [`suggest_step`](Self::suggest_step).
     pub fn suggest_step_observed<T: Float>(
         self,
         system: &Hamiltonian,
@@ -96,7 +96,7 @@ impl Method {
     ) -> Result<T, IntegrateError<T>> {
         let (t0, t1) = interval.clone().into_inner();
         let length = (t1 - t0).abs();
-        // Checks options, interval and start.
+        // Checks options, interval and initial state.
         let options = self.step(length);
         options.options.check_times(t0, t1)?;
         let start = options.start(system, q0, p0, t0)?.inner.y.hi;
@@ -150,7 +150,7 @@ struct Trials<'a, T: Float, O> {
     length: T,
     target: Target<T>,
     observer: &'a mut O,
-    /// The observer has ended the search.
+    /// Whether the observer has ended the search.
     is_ended: bool,
 }
 
@@ -159,11 +159,11 @@ impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
         let order = 2.0 * self.method.degree() as f64;
         let (q, p) = self.start;
         let most = MOST_STEPS.min(MOST_NUMBERS / (q.len() + p.len()) as f64);
-        // Rounding is not blamed for errors above the root of it.
+        // Errors above the square root of rounding are not attributed to rounding.
         let size = (q.iter().chain(p)).fold(T::int(0), |size, x| size.max(x.abs()));
         let small = T::EPSILON.sqrt() * size.max(target);
         let mut steps = first.clamp(1.0, (most / 4.0).max(1.0)).ceil();
-        // The most steps that were too few, and the fewest that were enough.
+        // The largest number of steps that was too small, and the smallest one that was sufficient.
         let (mut few, mut enough): (f64, Option<f64>) = (0.0, None);
         let mut least: Option<(f64, T)> = None;
         let mut last = T::INFINITY;
@@ -188,7 +188,7 @@ impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
                         return Ok(self.size(steps));
                     }
                     if !met && let Some((fewer, before)) = least {
-                        // Twice the steps and no gain: rounding.
+                        // Twice the steps and no smaller error: rounding.
                         let no_gain = steps >= 2.0 * fewer && error > before / T::int(2);
                         if no_gain && before < small {
                             return Err(IntegrateError::TargetBelowRoundOff {
@@ -204,7 +204,7 @@ impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
                     let law = power((error / target).to_f64(), 1.0 / order);
                     steps * (law / SAFETY).clamp(0.25, 4.0)
                 }
-                // Not to be made at this size.
+                // Steps of this size fail.
                 None => {
                     few = few.max(steps);
                     2.0 * steps
@@ -236,7 +236,7 @@ impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
         self.length / T::exact(steps)
     }
 
-    /// The error of a trial with so many steps; none if steps of this size cannot be made.
+    /// The error of a trial with this number of steps; `None` if steps of this size fail.
     fn error(&mut self, steps: f64) -> Result<Option<T>, IntegrateError<T>> {
         if let Target::Energy(_) = self.target {
             let gauss = Gauss::stages(self.method.stages);
@@ -265,7 +265,7 @@ impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
         Ok(worst.is_finite().then_some(worst))
     }
 
-    /// The trial run; none if it fails on the way.
+    /// The trial run; `None` if it fails.
     fn run(
         &mut self,
         method: Method,
@@ -294,11 +294,11 @@ impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
 }
 
 impl<T: Float> Integrator<T> {
-    /// A fixed step that would have met the tolerance everywhere in `interval`: the smallest of the steps
-    /// that the tolerance chooses there.
+    /// A fixed step that would meet the tolerance everywhere in `interval`: the smallest of the steps that
+    /// step control chooses in a run by the tolerance.
     ///
     /// # Errors
-    /// Those of [`integrate`](Self::integrate), an interval without length, and fixed steps.
+    /// The errors of [`integrate`](Self::integrate), an empty interval, and fixed steps.
     pub fn suggest_step(
         &self,
         system: &Hamiltonian,

@@ -16,7 +16,7 @@ use equip_solver::{Damaged, SolverMemory};
 use std::time::Duration;
 
 impl<T: Float> Integration<T> {
-    /// The names of the invariants, kept and watched, and their checksums at `y` and time `t`.
+    /// The names of the invariants, conserved and monitored, and their checksums at `y` and time `t`.
     fn invariants(&mut self, t: T, y: &[T]) -> Vec<(String, String)> {
         let all = self.measured.watched.iter_mut();
         let named = |watched: &mut Watched<T>| {
@@ -27,7 +27,7 @@ impl<T: Float> Integration<T> {
         all.map(named).collect()
     }
 
-    /// Whether H and the invariants are those of the run that `checkpoint` was made of.
+    /// Checks that H and the invariants are those of the run of `checkpoint`.
     pub(crate) fn check_functions(
         &mut self,
         checkpoint: &Checkpoint,
@@ -50,7 +50,8 @@ impl<T: Float> Integration<T> {
         Ok(())
     }
 
-    /// The present state of the run, without the memory of its step control, to be sealed.
+    /// The present state of the run without the memory of its step control. The checkpoint must be sealed
+    /// afterwards.
     pub(crate) fn checkpoint(&mut self) -> Checkpoint {
         let memory = self.core.memory();
         let parts = memory.parts().iter();
@@ -174,7 +175,7 @@ impl<T: Float> Integration<T> {
         for (name, stored) in &from.solver {
             let numbers = stored.iter().map(Exact::read);
             let numbers = numbers.collect::<Result<Vec<T>, _>>()?;
-            // The solver has gradients of a state that begins with NaN where it has none.
+            // The gradients in the memory begin with a state that is NaN if there are none.
             let is_none = name == "gradients" && numbers.first().is_some_and(|x| x.is_nan());
             if !is_none && numbers.iter().any(|x| x.is_nan()) {
                 return Err(damaged("the memory of the solver"));

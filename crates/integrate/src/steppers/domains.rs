@@ -1,6 +1,6 @@
-//! Whether a step stays where H has data: within the tables that do not extrapolate.
+//! Whether a step stays in the domain of H, within the tables that do not extrapolate.
 //!
-//! Cost: the arguments of these tables at the stages and the end of each step that is accepted.
+//! Cost: the arguments of these tables at the stages and the end of each accepted step.
 
 use crate::error::IntegrateError;
 use equip_autodiff::{DomainEvaluator, OutsideDomain, Switches};
@@ -12,12 +12,12 @@ use equip_solver::{Core, State};
 pub(crate) struct WithinDomains<T: Float> {
     evaluator: DomainEvaluator<T>,
     stages: Vec<T>,
-    /// Halvings before the step: of a step that was halved the stages are those of its last part.
+    /// The number of halvings before the step. The stages of a halved step are those of its last part.
     halvings: u64,
 }
 
 impl<T: Float> WithinDomains<T> {
-    /// Of steps with so many stages of states with n components. None of an H that has values everywhere.
+    /// For steps with this number of stages and states with n components. `None` if H is defined everywhere.
     pub(crate) fn new(switches: &Switches, stages: usize, n: usize) -> Option<Self> {
         let domains = switches.domains();
         (!domains.is_empty()).then(|| WithinDomains {
@@ -27,7 +27,7 @@ impl<T: Float> WithinDomains<T> {
         })
     }
 
-    /// Whether the state `y` at `time` is within all of them.
+    /// Checks that the state `y` at `time` is within all domains.
     ///
     /// # Errors
     /// [`IntegrateError::OutsideOfTable`] if it is not.
@@ -48,11 +48,11 @@ impl<T: Float> WithinDomains<T> {
         })
     }
 
-    /// Whether the step of size `h` just made from `y` to `next` stays within all of them, by its stages, if
-    /// it was made in one, and its end.
+    /// Checks that the step of size `h` from `y` to `next` stays within all domains: at its end, and at its
+    /// stages unless it was halved.
     ///
     /// # Errors
-    /// That of the first state that does not; the next step is not guessed from this one then.
+    /// The error of the first state outside. The next step then has no initial guess from this step.
     pub(crate) fn check_step(
         &mut self,
         core: &mut Core<T>,

@@ -1,12 +1,12 @@
-//! What steps of one size do at switches of H ([`crate::events::crossings`]): a step of the grid that is over
-//! one is made in parts, up to the switch and from there on, each of full order. The grid stays as it is.
+//! Fixed steps at switches of H ([`crate::events::crossings`]). A step of the grid that crosses a switch is
+//! split into parts, up to the switch and from the switch on, each of full order. The grid does not change.
 //!
-//! Knots of tables are passed over: without a tolerance there is nothing that tells those that matter. A step
-//! that meets the same switch more than twice is made as if H were smooth, and so is what is left of a step
-//! after [`SOON`] switches.
+//! Knots of tables are ignored: without a tolerance there is no criterion for those that matter. A step that
+//! meets the same switch more than twice is computed as if H were smooth, and so is the rest of a step after
+//! [`SOON`] switches.
 //!
-//! Cost: the switches at all stages of a step; for each crossing two to four steps without α_k that find it,
-//! and one more step.
+//! Cost: the switches at all stages of a step; for each crossing two to four steps without α to find it, and
+//! one more step.
 
 use crate::control::policy::{MOST_TRIES, SHORT, SOON};
 use crate::control::stuck::shortest_at;
@@ -18,28 +18,28 @@ use equip_scalar::Float;
 use equip_solver::{Outcome, Part, State};
 use equip_tableau::Coefficients;
 
-/// The switches along the steps of a grid, and the parts of the step made last.
+/// The switches along the steps of a grid, and the parts of the last step.
 #[derive(Debug)]
 pub(super) struct Substeps<T: Float> {
     crossings: Crossings<T>,
-    /// The state that the step begins from.
+    /// The state at the start of the step.
     start: State<T>,
-    /// What dense output needs of the parts of the step; empty if nothing asks for it.
+    /// The data of the parts for dense output; empty if dense output is not needed.
     parts: Vec<Part<T>>,
-    /// Crossings in the step.
+    /// The number of crossings in the step.
     crossed: u64,
     /// Whether the step has more than one part.
     is_split: bool,
 }
 
 impl<T: Float> Substeps<T> {
-    /// Of steps with these nodes of states with n components; none of an H without such switches.
+    /// For steps of this method and states with n components. `None` if H has no such switches.
     pub(super) fn boxed(
         switches: &Switches,
         method: &Coefficients<T>,
         n: usize,
     ) -> Option<Box<dyn InParts<T>>> {
-        // Crossings are found to rounding.
+        // With tolerance zero crossings are located to rounding.
         let crossings = Crossings::but_knots(switches, method, n, T::int(0))?;
         Some(Box::new(Substeps {
             crossings,
@@ -79,7 +79,7 @@ impl<T: Float> InParts<T> for Substeps<T> {
 }
 
 impl<T: Float> Integration<T> {
-    /// Whether the step of size `h` just made stays where H has data.
+    /// Checks that the last step, of size `h`, stays in the domain of H.
     pub(crate) fn check_domains(&mut self, h: T) -> Result<(), IntegrateError<T>> {
         let Some(domains) = &mut self.domains else {
             return Ok(());
@@ -105,7 +105,8 @@ impl<T: Float> Integration<T> {
             {
                 if let Some(part) = self.up_to_switch(substeps, (size, root))? {
                     (size, made, ends_on_one) = part;
-                    // One that turns round before the switch counts as well, so that parts come to an end.
+                    // A part that turns back before the switch counts as well, so that the number of parts is
+                    // bounded.
                     substeps.crossed += u64::from(!ends_on_one);
                 } else {
                     self.core.refuse();
@@ -132,8 +133,9 @@ impl<T: Float> Integration<T> {
         }
     }
 
-    /// Makes a step of size `left`, or of a half of it, or less, where a jump of the force within it keeps
-    /// the stages from being found. Returns its size, its outcome, and whether it is made in one.
+    /// Attempts a step of size `left`, or of half the size, and so on, if the stages do not converge because
+    /// the force jumps within the step. Returns its size, its outcome, and whether it was not halved by the
+    /// solver.
     fn attempt_in_one(&mut self, left: T) -> Result<(T, Outcome, bool), IntegrateError<T>> {
         let mut size = left;
         for _ in 0..SHORT.ilog2() {
@@ -147,7 +149,7 @@ impl<T: Float> Integration<T> {
         Ok((left, self.attempt(left)?, false))
     }
 
-    /// The step, or a part of it, ends on a switch.
+    /// Records that the step, or a part of it, ends on a switch.
     fn cross_in_step(&mut self, substeps: &mut Substeps<T>) {
         let (met, jump) = (
             substeps.crossings.met(),
@@ -157,22 +159,22 @@ impl<T: Float> Integration<T> {
         substeps.crossed += met;
     }
 
-    /// Where the step just made meets the first switch, if its stages resolve them.
+    /// Where the last step meets the first switch, if its stages resolve the switches.
     fn first_meeting(&mut self, substeps: &mut Substeps<T>) -> Option<Meeting<T>> {
         let Integration { core, y, next, .. } = self;
         let crossings = &mut substeps.crossings;
         crossings.begin_step();
         let meeting = match crossings.look(core, y, next) {
-            // Once a step.
+            // At most once in a step.
             Some(Meeting::Touch(_)) => crossings.look(core, y, next),
             meeting => meeting,
         };
         meeting.filter(|_| !crossings.meets_one_often())
     }
 
-    /// Makes the part of a step of size `left` up to the switch that it meets at `root`, or as much of it as
-    /// was to lead there and does not. Its size, its outcome, and whether it ends on a switch. None if there
-    /// is no such part.
+    /// Attempts the part of a step of size `left` up to the switch that the step meets at `root`. If the
+    /// motion turns back before the switch, the part ends there. Returns its size, its outcome, and whether
+    /// it ends on a switch; `None` if there is no such part.
     fn up_to_switch(
         &mut self,
         substeps: &mut Substeps<T>,
@@ -188,7 +190,7 @@ impl<T: Float> Integration<T> {
         Ok(Some((size, self.attempt(size)?, is_on_one)))
     }
 
-    /// The size of that part, by steps with α = 0, and whether it ends on a switch.
+    /// The size of that part, from steps with α = 0, and whether it ends on a switch.
     fn size_to_switch(
         &mut self,
         substeps: &mut Substeps<T>,
@@ -205,7 +207,7 @@ impl<T: Float> Integration<T> {
             match substeps.crossings.look(core, y, next) {
                 Some(Meeting::End) => return Ok(Some((size, true))),
                 Some(Meeting::At(root, _)) => size *= root,
-                // The motion turns round before, as at an obstacle that the longer step has not seen.
+                // The motion turns back before, for example at an obstacle that the longer step has not seen.
                 None => return Ok(Some((size, false))),
                 Some(Meeting::Touch(_) | Meeting::Missed) => return Ok(None),
             }

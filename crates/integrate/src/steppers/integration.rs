@@ -1,5 +1,5 @@
-//! [`Integration`]: the state of a run and what is measured along it. It attempts steps of a given size and
-//! takes them; step control chooses the sizes.
+//! [`Integration`]: the state of a run and its measurements. It attempts and accepts steps of a given size;
+//! step control chooses the sizes.
 
 use crate::control::make::{check_gradient, complete_step, make_step};
 use crate::error::IntegrateError;
@@ -16,32 +16,32 @@ use equip_scalar::Float;
 use equip_solver::{Core, Counts, Outcome, Part, State};
 use std::fmt;
 
-/// Makes steps of the grid in parts where they are over switches of H.
+/// Splits steps of the grid that cross switches of H.
 pub(crate) trait InParts<T: Float>: fmt::Debug + Send + Sync {
-    /// Makes a step of size `h` that may still be refused.
+    /// Attempts a step of size `h`, which may still be rejected.
     fn attempt(&mut self, run: &mut Integration<T>, h: T) -> Result<Outcome, IntegrateError<T>>;
 
-    /// The parts of the step made last, if it was made in several.
+    /// The parts of the last step, if it was split.
     fn parts(&self) -> Option<&[Part<T>]>;
 }
 
-/// State, references and measurements of a run.
+/// The state, references and measurements of a run.
 #[derive(Debug)]
 pub(crate) struct Integration<T: Float> {
     pub(crate) core: Core<T>,
-    /// Degrees of freedom, time not counted.
+    /// The degrees of freedom, without time.
     pub(crate) m: usize,
     pub(crate) method: Method,
     pub(crate) t0: T,
-    /// Which way the run goes.
+    /// The direction of the run.
     pub(crate) direction: TimeDirection,
-    /// Size of the steps, without a sign; none if it varies.
+    /// The size of the steps, without sign; `None` if it varies.
     pub(crate) size: Option<T>,
-    /// None if H has data everywhere as far as is known.
+    /// `None` if H is defined everywhere, as far as is known.
     pub(crate) domains: Option<WithinDomains<T>>,
-    /// None if H is smooth as far as is known, or the steps vary.
+    /// `None` if H is smooth, as far as is known, or if the steps vary.
     pub(crate) in_parts: Option<Box<dyn InParts<T>>>,
-    /// Room for ∇H.
+    /// Workspace for ∇H.
     pub(crate) gradient: Vec<T>,
     pub(crate) h_ref: T,
     pub(crate) index: u64,
@@ -49,7 +49,7 @@ pub(crate) struct Integration<T: Float> {
     pub(crate) y: State<T>,
     pub(crate) next: State<T>,
     pub(crate) measured: Measured<T>,
-    /// Whether gradients written by hand are checked.
+    /// Whether user-supplied gradients are checked.
     pub(crate) check_gradient: bool,
     pub(crate) last: (T, Outcome),
     pub(crate) begun: Stopwatch,
@@ -60,7 +60,7 @@ pub(crate) struct Integration<T: Float> {
 }
 
 impl<T: Float> Integration<T> {
-    /// Whether the run has to turn back to come to `t`.
+    /// Whether the run must reverse its direction to reach `t`.
     ///
     /// # Errors
     /// A time that is not finite.
@@ -72,7 +72,7 @@ impl<T: Float> Integration<T> {
         Ok(self.direction.is_before(t, self.time))
     }
 
-    /// Makes a step of size `h`, signed, that is taken to end at `time`.
+    /// Makes a step of the signed size `h`, and sets the time to `time`.
     pub(crate) fn make(&mut self, time: T, h: T) -> Result<(), IntegrateError<T>> {
         if !self.direction.is_before(self.time, time) {
             return Err(IntegrateError::StepBelowTimeResolution {
@@ -85,7 +85,7 @@ impl<T: Float> Integration<T> {
         Ok(())
     }
 
-    /// Makes a step of the grid, of size `h`, in parts if it is over switches of H.
+    /// Attempts a step of the grid, of size `h`, in parts if it crosses switches of H.
     pub(crate) fn attempt_in_parts(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
         let Some(mut in_parts) = self.in_parts.take() else {
             let outcome = self.attempt(h)?;
@@ -97,7 +97,7 @@ impl<T: Float> Integration<T> {
         made
     }
 
-    /// The state after a step of size `h` from `y` at time `t`, which is no step of the run.
+    /// The state after a step of size `h` from `y` at time `t`. The step does not belong to the run.
     pub(crate) fn aside(
         &mut self,
         (y, t): (&State<T>, T),
@@ -109,13 +109,13 @@ impl<T: Float> Integration<T> {
         Ok(&self.next.hi)
     }
 
-    /// What dense output needs of the step made last; empty unless something asks for it.
+    /// The data of the last step for dense output; empty unless requested.
     pub(crate) fn parts(&self) -> &[Part<T>] {
         let in_parts = self.in_parts.as_ref().and_then(|in_parts| in_parts.parts());
         in_parts.unwrap_or(self.core.parts())
     }
 
-    /// Makes a step of size `h` that may still be refused.
+    /// Attempts a step of size `h`, which may still be rejected.
     pub(crate) fn attempt(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
         if self.check_gradient && self.index.is_power_of_two() {
             check_gradient(self.core.energy_mut(), self.time, &self.y.hi)?;
@@ -124,13 +124,13 @@ impl<T: Float> Integration<T> {
         self.checked(h, made)
     }
 
-    /// Finds the α_k of the step of size `h` made by [`attempt`](Self::attempt), where they were deferred.
+    /// Computes the α_k of the step of size `h` from [`attempt`](Self::attempt), if they were deferred.
     pub(crate) fn complete(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
         let made = complete_step(&mut self.core, (&self.y, self.time, h), &mut self.next);
         self.checked(h, made)
     }
 
-    /// A step that failed or was uncorrected, unless a gradient written by hand is to blame.
+    /// Checks a user-supplied gradient if the step failed or is uncorrected.
     fn checked(
         &mut self,
         h: T,
@@ -152,8 +152,7 @@ impl<T: Float> Integration<T> {
         made
     }
 
-    /// Whether a gradient written by hand is that of H where the step begins that has failed, and where it
-    /// had come to.
+    /// Checks a user-supplied gradient at the start of the failed step, and at its last iterate.
     fn check_gradient_of_failed(&mut self) -> Result<(), IntegrateError<T>> {
         let end = self.core.failed_end();
         let energy = self.core.energy_mut();
@@ -164,7 +163,7 @@ impl<T: Float> Integration<T> {
         Ok(())
     }
 
-    /// Takes the step made by [`attempt`](Self::attempt), which ends at `time`.
+    /// Accepts the step of [`attempt`](Self::attempt), which ends at `time`.
     pub(crate) fn accept(&mut self, time: T, h: T, outcome: Outcome) {
         std::mem::swap(&mut self.y, &mut self.next);
         self.index += 1;
@@ -187,7 +186,7 @@ impl<T: Float> Integration<T> {
         }
     }
 
-    /// The step made last, or the initial state.
+    /// The last step, or the initial state.
     pub(crate) fn view(&self) -> StepView<'_, T> {
         let (q, p) = visible(&self.y.hi, self.m);
         StepView {
@@ -204,12 +203,12 @@ impl<T: Float> Integration<T> {
         }
     }
 
-    /// Time reached.
+    /// The time reached.
     pub(crate) fn time(&self) -> T {
         self.time
     }
 
-    /// Counts so far.
+    /// The counts so far.
     pub(crate) fn counts(&self) -> &Counts {
         self.core.counts()
     }

@@ -1,4 +1,4 @@
-//! Runs made step by step.
+//! Runs that are advanced step by step.
 
 pub(crate) mod checkpoint;
 pub(crate) mod domains;

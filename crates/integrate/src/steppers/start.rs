@@ -1,4 +1,4 @@
-//! An [`Integration`] is prepared once and begun as often as wanted.
+//! An [`Integration`] is prepared once, and may begin many runs.
 
 use crate::control::make::check_gradient;
 use crate::error::IntegrateError;
@@ -17,7 +17,7 @@ use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Counts, Invariant, Outcome, State};
 
 impl<T: Float> Integration<T> {
-    /// Everything but an initial state.
+    /// Prepares everything that does not depend on the initial state.
     pub(crate) fn prepare(
         integrator: &Integrator<T>,
         system: &Hamiltonian,
@@ -30,7 +30,7 @@ impl<T: Float> Integration<T> {
         let method = integrator.method.for_degree(system.structure().degree);
         let coefficients = coefficients(method)?;
         let mut settings = options.validate(method)?;
-        // Time counts as one of `all`.
+        // `all` includes time, if H depends on time.
         let (all, zero) = (system.degrees_of_freedom(), T::int(0));
         let m = all - usize::from(system.has_time());
         let stages = settings.stages;
@@ -60,7 +60,7 @@ impl<T: Float> Integration<T> {
             StepSizes::Fixed(sizes) => Some(sizes.h.abs()),
             StepSizes::Tolerance(_) => None,
         };
-        // Across a jump H may change by anything, and of a gradient taken as it is along any motion.
+        // The change of H has no bound across a jump, nor with a gradient that is not checked.
         let is_bounded = system.is_canonical() && switches.is_empty() && options.check_gradient;
         let is_measured = options.measure_energy && size.is_some();
         settings.check_energy = is_bounded && (has_target || is_measured);
@@ -94,7 +94,7 @@ impl<T: Float> Integration<T> {
         })
     }
 
-    /// Another one for the same steps, at the same state.
+    /// Another integration with the same steps, at the same state.
     pub(crate) fn beside(
         &self,
         integrator: &Integrator<T>,
@@ -105,8 +105,8 @@ impl<T: Float> Integration<T> {
         Ok(other)
     }
 
-    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared. Nothing is allocated.
-    /// After an error the run is as it was.
+    /// Begins a new run at (`q0`, `p0`) and `t0`, as after preparation. Nothing is allocated. After an error
+    /// the run is unchanged.
     pub(crate) fn start_at(
         &mut self,
         (q0, p0): (&[T], &[T]),
@@ -126,14 +126,14 @@ impl<T: Float> Integration<T> {
         Ok(())
     }
 
-    /// Where the stretch begins that the run is on: its start, or the time reached if it has turned back
-    /// since.
+    /// The start of the present stretch: the start of the run, or the present time if the run has since
+    /// reversed beyond its start.
     pub(crate) fn stretch_start(&self) -> T {
         let is_turned = self.direction.is_before(self.time, self.t0);
         if is_turned { self.time } else { self.t0 }
     }
 
-    /// The state at which the run began, as H takes it.
+    /// The initial state of the run, in the form that H takes.
     pub(crate) fn start_state(&self) -> Vec<T> {
         let (mut y, half) = (vec![T::int(0); self.y.hi.len()], self.y.hi.len() / 2);
         let (q, p) = self.start.split_at(self.m);
@@ -143,8 +143,8 @@ impl<T: Float> Integration<T> {
         y
     }
 
-    /// Puts the run at another state, at the time `t` it has reached: the references of energy and invariants
-    /// are those of this state from now on, and nothing of the steps before is prolonged into the next one.
+    /// Moves the run to another state at time `t`. The references of energy and invariants are those of this
+    /// state from now on, and the next step does not depend on earlier steps.
     pub(crate) fn move_to(&mut self, q: &[T], p: &[T], t: T) -> Result<(), IntegrateError<T>> {
         let h_ref = self.look_at(q, p, t)?;
         self.next.lo.fill(T::int(0));
@@ -155,10 +155,10 @@ impl<T: Float> Integration<T> {
         Ok(())
     }
 
-    /// The state (`q`, `p`) at `t` into `next`. Returns H there.
+    /// Writes the state (`q`, `p`) at `t` to `next`. Returns H at this state.
     ///
     /// # Errors
-    /// Faults of the values, and an H that is not finite there.
+    /// Invalid values, or H not finite at this state.
     pub(crate) fn look_at(&mut self, q: &[T], p: &[T], t: T) -> Result<T, IntegrateError<T>> {
         let m = self.m;
         check_initial(m, q, p)?;
@@ -167,7 +167,7 @@ impl<T: Float> Integration<T> {
         let (positions, momenta) = y.split_at_mut(half);
         positions[..m].copy_from_slice(q);
         momenta[..m].copy_from_slice(p);
-        // Time, where it is one of them, and what has gone in since.
+        // If H depends on time, t and p_t = 0, the energy supplied since.
         positions[m..].fill(t);
         momenta[m..].fill(T::int(0));
         let energy = self.core.energy_mut();
@@ -185,8 +185,8 @@ impl<T: Float> Integration<T> {
     }
 }
 
-/// Whether events, invariants and those to be kept are functions of states of m degrees of freedom, or of
-/// `all`, time counted where H depends on it.
+/// Checks that events, invariants and constraints are functions of states with m degrees of freedom, or with
+/// `all` if they include time.
 fn check_functions<T: Float>(
     options: &Options<T>,
     m: usize,

@@ -1,4 +1,4 @@
-//! [`StepControl`]: how a run sizes its steps.
+//! [`StepControl`]: the rule for the sizes of steps.
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
@@ -7,12 +7,12 @@ use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 use std::fmt;
 
-/// A rule for the sizes of steps, with what it remembers from step to step. It makes the steps of `run`.
+/// A rule for the sizes of steps, with its memory. It advances `run`.
 pub(crate) trait StepControl<T: Float>: fmt::Debug + Send + Sync {
-    /// Begins anew at a state (q0, p0) and `t0`, to go `towards` a time if that is known.
+    /// Begins a new run at a state (q0, p0) and `t0`, in the direction of the time `towards` if it is known.
     ///
     /// # Errors
-    /// Faults of the initial state, for which the run stays as it was.
+    /// Invalid initial states. The run is then unchanged.
     fn begin(
         &mut self,
         run: &mut Integration<T>,
@@ -21,64 +21,66 @@ pub(crate) trait StepControl<T: Float>: fmt::Debug + Send + Sync {
         towards: Option<T>,
     ) -> Result<(), IntegrateError<T>>;
 
-    /// Continues where the run of `checkpoint` was; it has begun where that began.
+    /// Restores the state of the run of `checkpoint`. `run` has begun at the initial state of that run.
     ///
     /// # Errors
-    /// When the checkpoint is damaged.
+    /// If the checkpoint is damaged.
     fn restore(
         &mut self,
         run: &mut Integration<T>,
         checkpoint: &Checkpoint,
     ) -> Result<(), IntegrateError<T>>;
 
-    /// Writes its memory into the checkpoint of the run.
+    /// Writes the memory of step control to the checkpoint of the run.
     fn remember(&self, run: &Integration<T>, checkpoint: &mut Checkpoint);
 
-    /// Steps are to meet this time from now on.
+    /// Steps must meet this time from now on.
     ///
     /// # Errors
-    /// When they cannot.
+    /// If they cannot.
     fn set_end(&mut self, run: &Integration<T>, end: T) -> Result<(), IntegrateError<T>>;
 
-    /// Whether the end is reached.
+    /// Whether the end has been reached.
     fn is_done(&self, run: &Integration<T>) -> bool;
 
-    /// The run is at another state, at the time that it had reached.
+    /// Called if the run has been moved to another state at the same time.
     fn at_another_state(&mut self, run: &mut Integration<T>);
 
-    /// The run is at another state and at another time, within the step made last. The end stays.
+    /// Called if the run has been moved to another state and time within the last step. The end does not
+    /// change.
     ///
     /// # Errors
-    /// When steps from there cannot meet the end.
+    /// If steps from there cannot meet the end.
     fn at_another_time(&mut self, run: &mut Integration<T>) -> Result<(), IntegrateError<T>>;
 
-    /// Turns the run round in time.
+    /// Reverses the direction of time.
     fn turn_back(&mut self, run: &mut Integration<T>);
 
-    /// Makes the next step, up to the end if `meets_end` and the end is known.
+    /// Makes the next step, not beyond the end if `meets_end` and the end is known.
     ///
     /// # Errors
-    /// When it cannot be made.
+    /// If the step fails.
     fn step(&mut self, run: &mut Integration<T>, meets_end: bool) -> Result<(), IntegrateError<T>>;
 
-    /// Makes the next step towards `t`, forward or back, but not beyond it. Returns whether there was one to
-    /// make.
+    /// Makes the next step towards `t`, forward or backward, but not beyond `t`. Returns whether a step was
+    /// needed.
     ///
     /// # Errors
-    /// A time that is not finite, and a step that cannot be made.
+    /// A time that is not finite, or a step that fails.
     fn step_towards(&mut self, run: &mut Integration<T>, t: T) -> Result<bool, IntegrateError<T>>;
 
-    /// What rounding lost of the time.
+    /// The rounding remainder of the time.
     fn time_low(&self) -> T;
 
-    /// Size of the next step, without a sign.
+    /// The size of the next step, without sign.
     fn next_step(&self) -> T;
 
-    /// Time at the end of the next step where that is known, and outputs before it take steps of their own.
+    /// The time at the end of the next step if it is known. Outputs before it are then computed by separate
+    /// steps.
     fn next_time(&self) -> Option<T>;
 }
 
-/// Which way leads from `t0` towards a time, if one is given and is not `t0`.
+/// The direction from `t0` to `towards`; `None` if there is no such time or it equals `t0`.
 ///
 /// # Errors
 /// A time that is not finite.

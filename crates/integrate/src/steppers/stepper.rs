@@ -9,7 +9,7 @@ use crate::steppers::view::StepView;
 use equip_scalar::Float;
 use equip_solver::Counts;
 
-/// A run that is made step by step: an endless iterator, or [`advance`](Self::advance) without copies.
+/// A run that is advanced step by step: an endless iterator, or [`advance`](Self::advance) without copies.
 #[derive(Debug)]
 pub struct Stepper<T: Float> {
     pub(crate) inner: Integration<T>,
@@ -26,23 +26,23 @@ impl<T: Float> Stepper<T> {
         self.control.begin(&mut self.inner, start, t0, towards)
     }
 
-    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with what this one has made ready:
-    /// every bit is that of a run which has just been [started](crate::Integrator::start), and nothing is
-    /// allocated. After an error the run is as it was.
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with the prepared data of this one.
+    /// It agrees bit for bit with a run that has just been [started](crate::Integrator::start), and nothing
+    /// is allocated. After an error the run is unchanged.
     ///
     /// # Errors
-    /// Faults of the initial values, and an H that is not finite there.
+    /// Invalid initial values, or H not finite at the initial state.
     pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
         self.begin((q0, p0), t0, None)
     }
 
-    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached, as after a kick: H and the
-    /// invariants are conserved at their values there from now on, and the next step is guessed from this
-    /// state alone. Counts, grid, the size proposed for the next step and the largest errors stay. Nothing is
-    /// allocated; after an error nothing changes.
+    /// Moves the run to (`q`, `p`), each of length m, at the present time, as after a kick. H and the
+    /// invariants are conserved at their new values from now on, and the next step does not depend on earlier
+    /// steps. Counts, grid, the proposed size of the next step and the largest errors do not change. Nothing
+    /// is allocated. After an error nothing changes.
     ///
     /// # Errors
-    /// Faults of the values, and an H that is not finite there.
+    /// Invalid values, or H not finite at the state.
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
         let time = self.inner.time;
         self.inner.move_to(q, p, time)?;
@@ -50,45 +50,45 @@ impl<T: Float> Stepper<T> {
         Ok(())
     }
 
-    /// The same at time `t`, which lies within the step made last. The end of the run stays.
+    /// The same at time `t`, which lies within the last step. The end of the run does not change.
     ///
     /// # Errors
-    /// Faults of the values, and an H that is not finite there.
+    /// Invalid values, or H not finite at the state.
     pub(crate) fn kick(&mut self, (q, p): (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>> {
         self.inner.move_to(q, p, t)?;
         self.inner.time = t;
         self.control.at_another_time(&mut self.inner)
     }
 
-    /// Turns the run round in time: the steps from here on go the other way.
+    /// Reverses the direction of time of the following steps.
     pub fn turn_back(&mut self) {
         self.control.turn_back(&mut self.inner);
     }
 
-    /// Makes the next step, whatever the end.
+    /// Makes the next step, without regard to the end.
     pub(crate) fn step_on(&mut self) -> Result<(), IntegrateError<T>> {
         self.control.step(&mut self.inner, false)
     }
 
-    /// Makes the next step, up to the end.
+    /// Makes the next step, not beyond the end.
     pub(crate) fn step(&mut self) -> Result<(), IntegrateError<T>> {
         self.control.step(&mut self.inner, true)
     }
 
-    /// Makes the next step towards the time `t`, forward or back, but not beyond it: repeated while it
-    /// returns `true`, it makes the steps of [`advance_to`](Self::advance_to), and the caller may stop
-    /// between two of them.
+    /// Makes the next step towards the time `t`, forward or backward, but not beyond `t`. Repeated while it
+    /// returns `true`, it makes the steps of [`advance_to`](Self::advance_to), and the caller may stop after
+    /// each step.
     ///
     /// # Errors
-    /// A time that is not finite, and a step that cannot be made.
+    /// A time that is not finite, or a step that fails.
     pub fn advance_towards(&mut self, t: T) -> Result<bool, IntegrateError<T>> {
         self.control.step_towards(&mut self.inner, t)
     }
 
-    /// Steps are to meet this time from now on.
+    /// Steps must meet this time from now on.
     ///
     /// # Errors
-    /// A time that is not finite, one behind the stretch that the run is on, and one that steps cannot meet.
+    /// A time that is not finite, lies before the present stretch of the run, or cannot be met.
     pub(crate) fn set_end(&mut self, end: T) -> Result<(), IntegrateError<T>> {
         let run = &self.inner;
         if !end.is_finite() {
@@ -110,7 +110,7 @@ impl<T: Float> Stepper<T> {
         self.control.is_done(&self.inner)
     }
 
-    /// The present state of the run, to be resumed by the same options.
+    /// The present state of the run, to be resumed with the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let mut checkpoint = self.inner.checkpoint();
         self.control.remember(&self.inner, &mut checkpoint);
@@ -118,22 +118,22 @@ impl<T: Float> Stepper<T> {
         checkpoint
     }
 
-    /// The step made last, or the initial state.
+    /// The last step, or the initial state.
     pub fn view(&self) -> StepView<'_, T> {
         self.inner.view()
     }
 
-    /// Time reached.
+    /// The time reached.
     pub fn time(&self) -> T {
         self.inner.time()
     }
 
-    /// Size of the next step, without a sign: the fixed one, or the one that step control proposes.
+    /// The size of the next step, without sign: the fixed size, or the size that step control proposes.
     pub fn next_step(&self) -> T {
         self.control.next_step()
     }
 
-    /// Counts so far.
+    /// The counts so far.
     pub fn counts(&self) -> &Counts {
         self.inner.counts()
     }

@@ -4,47 +4,47 @@ use crate::report::chaos_indicators::ChaosIndicators;
 use equip_scalar::Float;
 use equip_solver::Outcome;
 
-/// An accepted step, as observers see it. Borrowed: nothing is copied.
+/// An accepted step, as observers see it. It borrows; nothing is copied.
 #[derive(Debug, Clone, Copy)]
 pub struct StepView<'a, T> {
-    /// Number of the step, from 1; 0 is the initial state.
+    /// The number of the step, from 1; 0 is the initial state.
     pub index: u64,
-    /// Time at its end.
+    /// The time at the end of the step.
     pub time: T,
-    /// Its size, negative if it went back in time.
+    /// The size of the step, negative backward in time.
     pub step: T,
-    /// Positions at its end.
+    /// The positions at the end of the step.
     pub q: &'a [T],
-    /// Momenta at its end.
+    /// The momenta at the end of the step.
     pub p: &'a [T],
-    /// H − H_ref at its end; `None` if it was not measured.
+    /// H − H_ref at the end of the step; `None` if it was not measured.
     pub energy_error: Option<T>,
-    /// Round-off level of the energy error, for steps that solve for the energy.
+    /// The round-off level of the energy error, for steps that solve for the energy.
     pub energy_round_off: Option<T>,
-    /// α_1 … α_{s−1} of the step (of its last part, if it was halved).
+    /// α_1 … α_{s−1} of the step, or of its last part if it was halved.
     pub alphas: &'a [T],
-    /// How it ended.
+    /// The outcome of the step.
     pub outcome: Outcome,
-    /// Lyapunov exponent and MEGNO so far, if the run follows a deviation.
+    /// Lyapunov exponent and MEGNO so far, if the run propagates a tangent vector.
     pub chaos: Option<ChaosIndicators<T>>,
 }
 
-/// An accepted step that owns its state, as the iterator gives it.
+/// An accepted step that owns its state, as returned by the iterator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step<T> {
-    /// Number of the step, from 1.
+    /// The number of the step, from 1.
     pub index: u64,
-    /// Time at its end.
+    /// The time at the end of the step.
     pub time: T,
-    /// Positions at its end.
+    /// The positions at the end of the step.
     pub q: Vec<T>,
-    /// Momenta at its end.
+    /// The momenta at the end of the step.
     pub p: Vec<T>,
-    /// H − H_ref at its end; `None` if it was not measured.
+    /// H − H_ref at the end of the step; `None` if it was not measured.
     pub energy_error: Option<T>,
     /// α_1 … α_{s−1} of the step.
     pub alphas: Vec<T>,
-    /// How it ended.
+    /// The outcome of the step.
     pub outcome: Outcome,
 }
 

@@ -1,16 +1,17 @@
-//! [`Chaos`]: is a trajectory regular or chaotic, and how much.
+//! [`Chaos`]: indicators of regular and chaotic motion.
 //!
-//! A deviation δ is propagated and kept at length 1. From the growth ln|δ_{n+1}|/|δ_n| of each step:
+//! A tangent vector δ is propagated and normalised to length 1 after every step. The growth ln|δ_{n+1}|/|δ_n|
+//! of each step gives:
 //!
 //! - the largest Lyapunov exponent, λ(t) = ln(|δ(t)|/|δ(0)|)/t → λ, zero for regular motion;
-//! - MEGNO [Cincotta & Simó, Astron. Astrophys. Suppl. 147, 2000], Y(t) = (2/t) ∫ (d ln|δ|/ds) s ds, and its
-//!   mean over time, which tends to 2 for quasi-periodic motion and to λt/2 for chaotic motion: it decides
-//!   much earlier than λ(t).
+//! - MEGNO (Cincotta, Simó, Astron. Astrophys. Suppl. 147, 2000), Y(t) = (2/t) ∫ (d ln|δ|/ds) s ds, and its
+//!   time average, which tends to 2 for quasi-periodic motion and to λt/2 for chaotic motion. MEGNO
+//!   distinguishes both much earlier than λ(t).
 //!
-//! t is the time that the run has covered since the deviation began, forward and back.
+//! t is the time covered by the run since the initial tangent vector, forward and backward.
 //!
-//! The integral is a sum over the steps, the growth of each at its middle: an error of O(h²) of the growth,
-//! which does not matter here.
+//! The integral is a sum over the steps, with the growth of each step at its middle. Its error is O(h²) of
+//! the growth, which is sufficient.
 
 use crate::checkpoints::exact::Exact;
 use crate::checkpoints::memories::ChaosMemory;
@@ -22,8 +23,8 @@ use crate::time::visible;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
-/// Lyapunov exponent and MEGNO along a run that is made step by step;
-/// [`Integrator::chaos`](crate::Integrator::chaos) is the option for a whole run.
+/// Lyapunov exponent and MEGNO along a run that is advanced step by step;
+/// [`Integrator::chaos`](crate::Integrator::chaos) is the option for a complete run.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -40,7 +41,7 @@ use equip_scalar::Float;
 pub struct Chaos<T: Float> {
     tangent: TangentMap<T>,
     deviation: Vec<T>,
-    /// Time of the run, and how much of it was covered since the deviation began.
+    /// The time of the run, and the time covered since the initial tangent vector.
     time: T,
     elapsed: T,
     /// ln|δ(t)|/|δ(0)|, ∫ s d ln|δ|, ∫ Y ds.
@@ -72,7 +73,7 @@ impl<T: Float> Chaos<T> {
         chaos
     }
 
-    /// Sees the step that `run` made last.
+    /// Propagates over the last step of `run`.
     pub(crate) fn see_step(&mut self, run: &Integration<T>) -> Result<(), IntegrateError<T>> {
         self.tangent.propagate_over(run, &mut self.deviation)?;
         let growth = self.normalise().ln();
@@ -80,13 +81,13 @@ impl<T: Float> Chaos<T> {
         let now = before + step;
         self.growth += growth;
         self.weighted += growth * (before + now) / T::int(2);
-        // Y at the end of the step stands for the step.
+        // Y at the end of the step represents the step.
         self.sum += T::int(2) * self.weighted / now * step;
         (self.time, self.elapsed) = (run.time, now);
         Ok(())
     }
 
-    /// Brings δ to length 1; returns the length it had.
+    /// Normalises δ to length 1. Returns its previous length.
     fn normalise(&mut self) -> T {
         let squares = self.deviation.iter().fold(T::int(0), |sum, &x| sum + x * x);
         let length = squares.sqrt();
@@ -99,7 +100,7 @@ impl<T: Float> Chaos<T> {
         self.growth / self.elapsed
     }
 
-    /// The mean of MEGNO over time.
+    /// The time average of MEGNO.
     pub fn megno(&self) -> T {
         self.sum / self.elapsed
     }
@@ -112,19 +113,19 @@ impl<T: Float> Chaos<T> {
         }
     }
 
-    /// The deviation, at length 1.
+    /// The tangent vector, normalised to length 1.
     pub fn deviation(&self) -> &[T] {
         &self.deviation
     }
 }
 
-/// A deviation for runs whose user gave none: no component vanishes, and none is a multiple of another.
+/// A default tangent vector: no component vanishes, and no two components are equal.
 pub(crate) fn any_deviation<T: Float>(n: usize) -> Vec<T> {
     (1..=n).map(|j| T::int(j as i64).sin()).collect()
 }
 
 impl<T: Float> Chaos<T> {
-    /// Goes on with what a checkpoint has of a deviation.
+    /// Restores the tangent vector and its sums from a checkpoint.
     pub(crate) fn restore(&mut self, memory: &ChaosMemory) -> Result<(), IntegrateError<T>> {
         Exact::read_all(&memory.deviation, &mut self.deviation, "the deviation")?;
         let what = "the deviation";

@@ -8,19 +8,19 @@ use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
 impl<T: Float> TangentMap<T> {
-    /// Follows `run`, made of the same `system`, from its next step on.
+    /// Follows `run` from its next step on. `run` must belong to the same `system`.
     pub fn new(system: &Hamiltonian, run: &mut Stepper<T>) -> Self {
         Self::of(system, &mut run.inner)
     }
 
-    /// Makes the steps of `run` to the time `t`, forward or back, and propagates `deviations`, one after the
-    /// other, over every one of them.
+    /// Advances `run` to the time `t`, forward or backward, and propagates the tangent vectors `deviations`,
+    /// concatenated, over every step.
     ///
     /// # Errors
-    /// Those of the run's own `advance_to`, and those of [`propagate`](Self::propagate).
+    /// The errors of `advance_to` of the run, and of [`propagate`](Self::propagate).
     ///
     /// # Panics
-    /// When the length of `deviations` is no multiple of that of one.
+    /// If the length of `deviations` is not a multiple of the length of a tangent vector.
     pub fn advance_to(
         &mut self,
         run: &mut Stepper<T>,
@@ -34,15 +34,15 @@ impl<T: Float> TangentMap<T> {
         Ok(())
     }
 
-    /// Propagates `deviations`, one after the other, over the step that `run` made last.
+    /// Propagates the tangent vectors `deviations`, concatenated, over the last step of `run`.
     ///
     /// # Errors
-    /// [`IntegrateError::Singular`] if the linearised stages cannot be solved for; the step could then not
-    /// have been made by Newton's method either. [`IntegrateError::StepsNotFollowed`] if the run has made
-    /// several steps since deviations were last propagated.
+    /// [`IntegrateError::Singular`] if the linearised stage equations cannot be solved; Newton's method could
+    /// then not have solved the step either. [`IntegrateError::StepsNotFollowed`] if the run has made several
+    /// steps since the last propagation.
     ///
     /// # Panics
-    /// When the length of `deviations` is no multiple of that of one.
+    /// If the length of `deviations` is not a multiple of the length of a tangent vector.
     pub fn propagate(
         &mut self,
         run: &Stepper<T>,
@@ -53,24 +53,24 @@ impl<T: Float> TangentMap<T> {
 }
 
 impl<T: Float> Chaos<T> {
-    /// Follows `run`, made of the same `system`, from now on, with a deviation of any length but zero (2m
-    /// components, time not counted).
+    /// Follows `run` from now on, with a tangent vector `deviation` of any length except zero (2m components,
+    /// without time). `run` must belong to the same `system`.
     pub fn new(system: &Hamiltonian, run: &mut Stepper<T>, deviation: &[T]) -> Self {
         Self::of(system, &mut run.inner, deviation)
     }
 
-    /// Sees the step that `run` made last.
+    /// Propagates over the last step of `run`.
     ///
     /// # Errors
-    /// Those of [`TangentMap::propagate`].
+    /// The errors of [`TangentMap::propagate`].
     pub fn see(&mut self, run: &Stepper<T>) -> Result<(), IntegrateError<T>> {
         self.see_step(&run.inner)
     }
 
-    /// Makes the steps of `run` to the time `t`, and sees every one of them.
+    /// Advances `run` to the time `t`, and propagates over every step.
     ///
     /// # Errors
-    /// Those of the run's own `advance_to`, and those of [`see`](Self::see).
+    /// The errors of `advance_to` of the run, and of [`see`](Self::see).
     pub fn advance_to(&mut self, run: &mut Stepper<T>, t: T) -> Result<(), IntegrateError<T>> {
         while run.advance_towards(t)? {
             self.see(run)?;

@@ -1,4 +1,4 @@
-//! Small deviations along a run.
+//! Tangent vectors along a run.
 
 pub(crate) mod chaos;
 mod follow;

@@ -1,8 +1,8 @@
-//! [`TangentMap`]: how a small deviation moves along a run.
+//! [`TangentMap`]: the derivative of a run with respect to its initial state.
 //!
-//! The variational equations solved by the step itself ([`StepTangent`]): the derivative of the step, a
-//! symplectic map to rounding where α = 0. Where α conserves the energy, deviations conserve ∇H·δ, as exact
-//! ones do; where it conserves further invariants too, the derivative is that at fixed α.
+//! The step itself solves the variational equation ([`StepTangent`]). With α = 0 the derivative of the step
+//! is symplectic up to rounding. If α conserves the energy, tangent vectors conserve ∇H·δ, as those of the
+//! exact flow do. If α conserves further invariants, the derivative is that at fixed α.
 
 use crate::error::IntegrateError;
 use crate::steppers::integration::Integration;
@@ -12,8 +12,8 @@ use equip_solver::{Failure, StepTangent};
 
 /// The tangent map along a run.
 ///
-/// A deviation has 2m components, those of (q, p). Where H depends on time it has 2m + 2, those of
-/// (q, t, p, p_t): that of t is one of the time at which the run starts.
+/// A tangent vector has 2m components, those of (q, p). If H depends on time, it has 2m + 2 components, those
+/// of (q, t, p, p_t); the component of t belongs to the initial time.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -35,7 +35,7 @@ use equip_solver::{Failure, StepTangent};
 #[derive(Debug)]
 pub struct TangentMap<T: Float> {
     step: StepTangent<T>,
-    /// Number of the step up to which deviations were propagated.
+    /// The number of the step up to which tangent vectors have been propagated.
     propagated: u64,
 }
 
@@ -49,7 +49,7 @@ impl<T: Float> TangentMap<T> {
         }
     }
 
-    /// Propagates `deviations`, one after the other, over the step that `run` made last.
+    /// Propagates `deviations`, concatenated, over the last step of `run`.
     pub(crate) fn propagate_over(
         &mut self,
         run: &Integration<T>,
@@ -81,8 +81,8 @@ impl<T: Float> TangentMap<T> {
         Ok(())
     }
 
-    /// Whether the run has made no more than so many steps since deviations were last propagated, or since it
-    /// was begun anew.
+    /// Checks that the run has made at most `most` steps since the last propagation or since it was
+    /// restarted.
     pub(crate) fn check_followed(
         &self,
         run: &Integration<T>,

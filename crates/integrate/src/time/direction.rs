@@ -1,12 +1,12 @@
-//! [`TimeDirection`]: which way a run goes in time.
+//! [`TimeDirection`]: the direction of a run in time.
 //!
-//! The one place of its sign. A step of the solver has a signed h; sizes, their bounds and step control are
-//! of |h|; before and after are meant in the order of travel. A run of H back in time is then that of −H
-//! forward, bit for bit, with its times mirrored.
+//! Only this type handles the sign. A step of the solver has a signed h. Sizes, their bounds and step control
+//! use |h|. Before and after refer to the direction of the run. A run of H backward in time therefore agrees
+//! bit for bit with a run of −H forward, with reflected times.
 
 use equip_scalar::Float;
 
-/// Forward or back in time.
+/// Forward or backward in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum TimeDirection {
     #[default]
@@ -15,7 +15,7 @@ pub(crate) enum TimeDirection {
 }
 
 impl TimeDirection {
-    /// From one time to another; `None` if they are the same.
+    /// The direction from one time to another; `None` if they are equal.
     pub(crate) fn between<T: Float>(from: T, to: T) -> Option<Self> {
         if from < to {
             Some(TimeDirection::Forward)
@@ -26,7 +26,7 @@ impl TimeDirection {
         }
     }
 
-    /// The other one.
+    /// The opposite direction.
     pub(crate) fn turned(self) -> Self {
         match self {
             TimeDirection::Forward => TimeDirection::Backward,
@@ -34,7 +34,7 @@ impl TimeDirection {
         }
     }
 
-    /// A size as a step this way, or a difference of times as a size that is positive this way.
+    /// The signed step of a size, or the size of a time difference that is positive in this direction.
     pub(crate) fn signed<T: Float>(self, x: T) -> T {
         match self {
             TimeDirection::Forward => x,
@@ -42,7 +42,7 @@ impl TimeDirection {
         }
     }
 
-    /// Whether a run comes through `time` earlier than through `other`.
+    /// Whether a run reaches `time` before `other`.
     pub(crate) fn is_before<T: Float>(self, time: T, other: T) -> bool {
         match self {
             TimeDirection::Forward => time < other,

@@ -1,21 +1,21 @@
-//! [`Extended`]: time that runs at a rate of its own.
+//! [`Extended`]: transformed time.
 //!
-//! *Time transformation* (Poincaré). With time as a further position, q_{m+1} = t, and its momentum p_t as a
-//! further momentum,
+//! *Time transformation* (Poincaré). Let time be a further position, q_{m+1} = t, with the further momentum
+//! p_t. On K = 0 the Hamiltonian
 //!
 //! $$ K = \sigma(t, q, p) \, (H(t, q, p) + p_t), \qquad \sigma > 0, \qquad p_t(0) = -H(t_0, q_0, p_0) , $$
 //!
-//! has, on K = 0, the trajectories of H at another rate: dt/dτ = σ. Fixed steps in τ are then steps of σ·h in
-//! t, short where σ is small. EQUIP keeps K = 0 and so H exactly, which is what the transformation stands on.
-//! If H does not depend on time, p_t is constant.
+//! has the trajectories of H in a transformed time τ with dt/dτ = σ. Fixed steps in τ are then steps of size
+//! σ·h in t, short where σ is small. The transformation requires K = 0. EQUIP conserves K = 0 and therefore H
+//! to round-off. If H does not depend on time, p_t is constant.
 //!
-//! An H(t, q, p) at the rate of time itself is a [`Hamiltonian::with_time`].
+//! For an H(t, q, p) without time transformation use [`Hamiltonian::with_time`].
 
 use equip_autodiff::{BuildError, Hamiltonian, Var};
 use equip_scalar::Float;
 
-/// A Hamiltonian H(t, q, p) in a transformed time τ, on the extended phase space: positions (q, t), momenta
-/// (p, p_t).
+/// A Hamiltonian H(t, q, p) in a transformed time τ, on the extended phase space with positions (q, t) and
+/// momenta (p, p_t).
 ///
 /// ```
 /// use equip_integrate::{Equip, Extended};
@@ -45,8 +45,8 @@ pub struct Extended {
 }
 
 impl Extended {
-    /// H(t, q, p) with m degrees of freedom at the rate dt/dτ = σ(t, q, p) > 0: the independent variable of
-    /// the run is τ, and what it keeps is K = σ (H + p_t) = 0.
+    /// H(t, q, p) with m degrees of freedom and dt/dτ = σ(t, q, p) > 0. The independent variable of the run
+    /// is τ, and the run conserves K = σ (H + p_t) = 0.
     ///
     /// # Errors
     /// See [`Hamiltonian::new`].
@@ -68,15 +68,15 @@ impl Extended {
         &self.system
     }
 
-    /// H on the extended phase space, to be watched as an [`Invariant`](crate::Invariant).
+    /// H on the extended phase space, to be monitored as an [`Invariant`](crate::Invariant).
     pub fn energy(&self) -> &Hamiltonian {
         &self.energy
     }
 
-    /// The extended start (q, t0), (p, −H): K = 0 there.
+    /// The extended initial state (q, t0), (p, −H), for which K = 0.
     ///
     /// # Panics
-    /// When `q` and `p` do not have m components.
+    /// If `q` and `p` do not have m components.
     pub fn start<T: Float>(&self, q: &[T], p: &[T], t0: T) -> (Vec<T>, Vec<T>) {
         assert!(q.len() == self.m && p.len() == self.m, "m components each");
         let (mut q, mut p) = (q.to_vec(), p.to_vec());

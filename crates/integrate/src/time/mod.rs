@@ -1,4 +1,4 @@
-//! Time: which way it goes, and time as a coordinate.
+//! Time: its direction, and time as a coordinate.
 
 pub(crate) mod direction;
 pub(crate) mod extended;

@@ -1,16 +1,17 @@
-//! Which iterations are incremental: those that by the contraction seen leave others to come. Series of them
-//! run inside one kernel, which asks here whether to go on.
+//! Incremental iterations run in a series inside one kernel. After each iteration the kernel asks here
+//! whether to continue. An iteration may be incremental if, by the contraction observed, it is not the last.
 
 use crate::convergence::contraction::{Contraction, Progress};
 use crate::policy::MOST_ITERATIONS;
 
-/// Whether iterations of a series go on.
+/// Decides whether a series of iterations continues.
 pub(crate) trait Again {
-    /// After an iteration that has changed Z by `change`. Implementations are inlined into the kernels.
+    /// Called after an iteration that has changed Z by `change`. Returns whether there is another one.
+    /// Implementations are inlined into the kernels.
     fn again(&mut self, change: f64) -> bool;
 }
 
-/// One iteration.
+/// A single iteration.
 pub(crate) struct Once;
 
 impl Again for Once {
@@ -30,7 +31,7 @@ impl<A: Again> Again for &mut A {
 /// A series of incremental iterations.
 pub(crate) struct Series<'a> {
     contraction: &'a mut Contraction,
-    /// What the last iteration of the series says; nothing if it was not observed yet.
+    /// The state of the iteration after the last observed change; `None` before the first.
     pub(crate) progress: Option<Progress>,
     pub(crate) made: u32,
 }
@@ -44,7 +45,7 @@ impl<'a> Series<'a> {
         }
     }
 
-    /// Whether the next iteration leaves others to come.
+    /// Whether further iterations are expected after the next one.
     #[inline(always)]
     pub(crate) fn is_next(&self) -> bool {
         self.contraction.next_change() > self.contraction.last_change()
@@ -67,7 +68,7 @@ impl Again for Series<'_> {
 mod tests {
     use super::*;
 
-    /// A cycle shrinks as often as it grows, so that no change of it diverges.
+    /// In a cycle the changes shrink as often as they grow, so no change counts as divergence.
     #[test]
     fn changes_that_go_round_in_a_cycle_end() {
         let mut contraction = Contraction::new(true, f64::EPSILON);

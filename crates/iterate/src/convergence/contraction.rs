@@ -1,68 +1,70 @@
-//! How far an iteration Z ← Z + M⁻¹(K L(Z) − Z) is from its solution, by how its changes of Z shrink.
+//! Convergence of the iteration Z ← Z + M⁻¹(K L(Z) − Z), judged by how its changes of Z shrink.
 //!
-//! With changes Δ_n of Z relative to the sizes of the components and a contraction ρ = Δ_n/Δ_{n−1} the error
-//! that the last one leaves is
+//! Let Δ_n be the changes of Z relative to the sizes of the components, and ρ = Δ_n/Δ_{n−1} the contraction.
+//! After iteration n the error of the end point is
 //!
 //! $$ \frac{\rho}{1-\rho}\,\Delta_n, \qquad \frac{\sqrt\rho}{1-\rho}\,\Delta_n $$
 //!
-//! in the end point: the second where one iteration goes from the positions to the momenta and back, of which
-//! the end point has had the first half only. ρ is the worst seen in the step; preconditioned iterations do
-//! not begin as they end, so of these it is the worse of the last two.
+//! The second formula holds if one iteration goes from the positions to the momenta and back: the end point
+//! then lacks the second half only. ρ is the worst contraction observed in the step, but at least half the ρ
+//! of the last step. A preconditioned iteration contracts differently at its beginning and at its end, so for
+//! it ρ is the worse of the last two contractions.
 //!
-//! The iteration goes on until Δ_n and that error are ε/256, or the changes no longer shrink: three in a row
-//! are above half of the one before, or a dozen above half of the smallest so far, as where Z goes round in a
-//! cycle of a few roundings.
-//! Σ_i Δ_n,i · C L_i is what a quadratic invariant yᵀCy is off by, and that is alike from step to step.
+//! The iteration ends when Δ_n and this error are at most ε/256, or when the changes are at round-off level
+//! and no longer shrink. They no longer shrink if three in a row exceed half of the previous change, or if a
+//! dozen in a row exceed half of the smallest change so far. The second case occurs if Z runs through a cycle
+//! of a few roundings. The bound holds for Δ_n itself because the last change alters a quadratic invariant
+//! yᵀCy by 2 Σ_i L_iᵀ C Δ_n,i in the step; this does not average out over the steps (docs/adr/0021).
 
 use crate::policy::{FAR, NOISY, SETTLED, SLOW, STAGE_ROUNDING, STILL};
 use equip_scalar::power::power;
 
-/// What a change of Z says.
+/// The state of the iteration after a change of Z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
     /// The iteration continues.
     Contracts,
-    /// Z solves the equations to rounding.
+    /// Converged: Z solves the equations to round-off.
     Settled,
     /// The changes do not shrink.
     Diverges,
 }
 
-/// Changes of Z so far, and what follows from them.
+/// The changes of Z so far, and the estimates derived from them.
 #[derive(Debug)]
 pub struct Contraction {
-    /// ε of the floats.
+    /// ε of the floating-point type.
     epsilon: f64,
     is_twofold: bool,
     is_preconditioned: bool,
-    /// Changes that are rounding if they do not shrink.
+    /// Changes up to this size are rounding if they do not shrink.
     rounding: f64,
-    /// ρ, kept from step to step.
+    /// ρ, preserved from step to step.
     rate: f64,
-    /// The worst contraction seen in the step, zero if none was.
+    /// The worst contraction observed in the step; zero before the first.
     worst: f64,
-    /// The product of those seen, and how many they were.
+    /// The product of the observed contractions, and their number.
     product: f64,
     seen: u32,
-    /// The last one.
+    /// The last observed contraction.
     last: f64,
-    /// Δ_n, and the same without its rounding.
+    /// Δ_n, and Δ_n without its rounding.
     change: f64,
     left: f64,
-    /// Noise at y1 that is low enough; zero where the iteration goes to round-off.
+    /// The iteration may end once the noise of y1 is at most this; zero to iterate to round-off.
     target: f64,
-    /// The next change is not to be compared with the last.
+    /// The next change must not be compared with the last one.
     skips_comparison: bool,
     slow: u32,
     still: u32,
-    /// The smallest change that is rounding so far, and how many have not halved it.
+    /// The smallest change at round-off level so far, and how many changes since have not halved it.
     least: f64,
     stalled: u32,
 }
 
 impl Contraction {
-    /// Of iterations through positions and momenta in turn, or of all components at once, in floats with this
-    /// ε.
+    /// For iterations that go from positions to momenta and back (`is_twofold`), or that treat all components
+    /// alike, in a floating-point type with this ε.
     pub fn new(is_twofold: bool, epsilon: f64) -> Self {
         Contraction {
             epsilon,
@@ -85,7 +87,7 @@ impl Contraction {
         }
     }
 
-    /// An iteration begins, with M = I or another M.
+    /// Begins an iteration with M = I or another M.
     pub fn begin(&mut self, is_preconditioned: bool) {
         self.is_preconditioned = is_preconditioned;
         self.set_amplification(1.0);
@@ -98,36 +100,37 @@ impl Contraction {
         self.skips_comparison = true;
     }
 
-    /// M⁻¹ makes so many times as much of the rounding of the stages as M = I does.
+    /// Sets the factor by which M⁻¹ amplifies the rounding of the stages compared with M = I.
     pub fn set_amplification(&mut self, amplification: f64) {
         let eps = self.epsilon;
         self.rounding = (STAGE_ROUNDING * eps * amplification.max(1.0)).min(eps.sqrt());
     }
 
-    /// Noise at y1 that is low enough; zero where the iteration goes to round-off.
+    /// The iteration may end once the noise of y1 is at most `noise`; zero to iterate to round-off.
     pub fn set_target(&mut self, noise: f64) {
         self.target = noise;
     }
 
-    /// Whether the noise at y1 is that low, by a contraction that was seen in the step.
+    /// Whether the noise of y1 has reached the target, by a contraction observed in this step.
     pub fn is_at_target(&self) -> bool {
         self.worst > 0.0 && self.noise() <= self.target
     }
 
-    /// A change that the next iteration leaves as rounding, or as noise that is low enough.
+    /// After a change of at most this size the next one is rounding, or noise below the target.
     pub(crate) fn last_change(&self) -> f64 {
         (NOISY * self.epsilon).max(self.target)
     }
 
-    /// Something else has moved Z: the next change is not to be compared with the last.
+    /// Called if Z was changed by anything but an iteration: the next change is not compared with the last
+    /// one.
     pub fn disturb(&mut self) {
         self.skips_comparison = true;
         (self.slow, self.still) = (0, 0);
         (self.least, self.stalled) = (f64::INFINITY, 0);
     }
 
-    /// An iteration has changed Z by `change`; of sizes that were measured anew since the last one
-    /// `is_remeasured`.
+    /// Records that an iteration has changed Z by `change`. If `is_remeasured`, the sizes of the components
+    /// were measured anew afterwards, and the next change is not compared with this one.
     #[inline(always)]
     pub fn observe(&mut self, change: f64, is_remeasured: bool) -> Progress {
         let eps = self.epsilon;
@@ -177,7 +180,7 @@ impl Contraction {
         }
     }
 
-    /// Error of the end point that the last iteration has left.
+    /// The error of the end point after the last iteration.
     #[inline(always)]
     fn error(&self) -> f64 {
         self.left * self.tail()
@@ -193,7 +196,7 @@ impl Contraction {
         share / (1.0 - self.rate)
     }
 
-    /// Rounding at the end point, of an iteration that has settled.
+    /// The rounding error of the end point after a converged iteration.
     pub fn noise(&self) -> f64 {
         if self.is_preconditioned {
             self.change
@@ -202,7 +205,7 @@ impl Contraction {
         }
     }
 
-    /// The next change of Z, as far as can be told.
+    /// The expected next change of Z.
     #[inline(always)]
     pub fn next_change(&self) -> f64 {
         self.left * self.rate
@@ -213,18 +216,20 @@ impl Contraction {
         self.change
     }
 
-    /// The last change is so small that what is linearised at these stages is as good as at the solution.
+    /// Whether the last change is so small that the linearisation at these stages is as good as at the
+    /// solution.
     pub fn is_near(&self) -> bool {
         self.change <= self.epsilon.cbrt()
     }
 
-    /// The last change is of the size of a component or so.
+    /// Whether the last change is of the order of the size of a component.
     pub fn is_far(&self) -> bool {
         self.change > FAR
     }
 
-    /// The geometric mean of the contractions of the step, zero if none was seen: what its iterations cost.
-    /// The first of them says what the guess was off by, and may be many times the others.
+    /// The geometric mean of the contractions of the step, zero if none was observed. It determines the
+    /// number of iterations. The first contraction reflects the error of the initial guess and may be many
+    /// times larger than the others.
     pub fn mean(&self) -> f64 {
         if self.seen == 0 {
             0.0
@@ -233,12 +238,12 @@ impl Contraction {
         }
     }
 
-    /// ρ, which the next step begins from.
+    /// ρ, the initial value for the next step.
     pub fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// Sets ρ as it was kept.
+    /// Restores ρ.
     pub fn set_rate(&mut self, rate: f64) {
         self.rate = rate.clamp(0.0, 0.9);
     }
@@ -248,7 +253,8 @@ impl Contraction {
 mod tests {
     use super::*;
 
-    /// Changes that shrink by a known factor settle where the geometric series says, and not before.
+    /// Changes that shrink by a constant factor converge where the geometric series predicts it, and not
+    /// before.
     #[test]
     fn a_geometric_series_settles_when_its_tail_is_below_rounding() {
         for ratio in [0.5, 0.1, 1e-2] {
@@ -285,13 +291,13 @@ mod tests {
         assert!(seen.contains(&Progress::Settled), "{seen:?}");
     }
 
-    /// Rounding may go round in a cycle that shrinks as often as it grows.
+    /// Roundings may run through a cycle in which changes shrink as often as they grow.
     #[test]
     fn a_cycle_of_roundings_settles() {
         for cycle in [[6.0, 2.0, 6.0], [6.0, 6.0, 1.0], [6.0, 0.5, 2.0]] {
             let mut contraction = Contraction::new(true, f64::EPSILON);
             contraction.begin(true);
-            // Slow enough that the geometric series takes a hundred more.
+            // So slow that the geometric series needs a hundred further iterations.
             let begun = [1e-10, 9e-11, 8e-11].into_iter();
             let rounding = cycle.map(|x| x * f64::EPSILON);
             let changes = begun.chain(rounding.into_iter().cycle());
@@ -301,7 +307,7 @@ mod tests {
         }
     }
 
-    /// Where components at rest have no size yet, the first change says nothing of the second.
+    /// If the components at rest have no size yet, the first change is not comparable with the second.
     #[test]
     fn changes_in_sizes_measured_anew_are_not_compared_with_those_of_before() {
         let mut contraction = Contraction::new(true, f64::EPSILON);
@@ -312,7 +318,7 @@ mod tests {
         }
     }
 
-    /// A move of Z by something else is not a contraction.
+    /// A change of Z by anything but the iteration is not a contraction.
     #[test]
     fn what_else_moves_z_is_not_compared() {
         let mut contraction = Contraction::new(false, f64::EPSILON);

@@ -1,4 +1,4 @@
-//! How far an iteration is from its solution.
+//! Convergence of the iteration.
 
 pub(crate) mod again;
 pub(crate) mod contraction;

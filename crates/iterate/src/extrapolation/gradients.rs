@@ -1,24 +1,24 @@
-//! Where a step by fixed-point iteration begins: the gradients at its stages as the last step foretells them,
-//! and the sizes of the components.
+//! The initial guess of a fixed-point iteration: the gradients at the stages, extrapolated from the last
+//! step, and the sizes of the components.
 //!
-//! The polynomial of degree s − 1 through the gradients at the stages of the last step, and of degree s if
-//! the gradient at the start of this one is known, is continued to the nodes of this step:
+//! The polynomial of degree s − 1 through the gradients at the stages of the last step is evaluated at the
+//! nodes of this step. It has degree s if the gradient at the start of this step is known:
 //!
 //! $$ \nabla H(Y_i) \approx \sum_j E_{ij} L_j + \rho_i \nabla H(y_0), \qquad \rho_i = P_s(\tau_i)/P_s(a), \quad \tau_i = a + r c_i, $$
 //!
-//! P_s vanishing at the old nodes, a being where this step starts in the last one; E and ρ are made in
-//! [`crate::extrapolation::polynomial`]. What follows from them is an iteration without evaluations. With the
-//! velocities known from the momenta and the gradient at the start known from the energy, a step takes 0.8
-//! iterations less than from Z = ∫ of the last step's derivatives.
+//! P_s vanishes at the old nodes, and a is where this step starts in the last one.
+//! [`crate::extrapolation::polynomial`] computes E and ρ. The linear half of an iteration, without
+//! evaluations, then gives the stages. Since the velocities follow from the momenta and the gradient at the
+//! start from the energy, a step takes 0.8 fewer iterations than from Z = ∫ of the last step's derivatives.
 //!
-//! Where a step is long the polynomial runs off, by 6^s and more. L that it foretells larger than [`LIKELY`]
-//! times the largest of the last step is of no use, and none is foretold there: Kepler's problem with 2.24
-//! steps a period, s = 16, begins an orbit's size off in place of a hundred.
+//! If a step is long, the polynomial grows by 6^s and more. Extrapolated gradients are discarded where their
+//! L exceeds [`LIKELY`] times the largest L of the last step. For Kepler's problem with 2.24 steps a period,
+//! s = 16, the initial error is then the size of the orbit instead of a hundred times that size.
 //!
-//! The size of a component is max(|y_c|, max_i |Y_ic|), no less than ε^(3/4) of the largest position or
-//! momentum: the front of a wave that runs into a chain at rest is not resolved to its own last bit.
+//! The size of a component is max(|y_c|, max_i |Y_ic|), but at least ε^(3/4) of the largest position or
+//! momentum: the front of a wave that enters a chain at rest need not be resolved to its own last bit.
 //!
-//! Cost: s² products for each unknown component.
+//! Cost: 2 s² products for each component.
 
 use crate::MAX_STAGES;
 use crate::extrapolation::polynomial::View;
@@ -29,7 +29,7 @@ use equip_scalar::{Float, Kernel};
 use std::array::from_fn;
 use std::ops::Range;
 
-/// Gradients as they are foretold.
+/// The extrapolation of the gradients.
 pub(crate) struct Foretell<'a, T> {
     pub(crate) prolongation: View<'a, T>,
     /// L of the last step, all components.
@@ -37,10 +37,10 @@ pub(crate) struct Foretell<'a, T> {
     /// ∇H at the start of the step, if it is known.
     pub(crate) known: Option<&'a [T]>,
     pub(crate) gradients: &'a mut [T],
-    /// h b_i of this step, and its size over that of the last.
+    /// h b_i of this step, and the ratio of its size to that of the last step.
     pub(crate) hb: &'a [T],
     pub(crate) ratio: T,
-    /// Degrees of freedom, and gradients wanted: those by the positions, or all.
+    /// Degrees of freedom, and the number of gradient components needed: ∂H/∂q only, or all.
     pub(crate) m: usize,
     pub(crate) wanted: usize,
     pub(crate) s: usize,
@@ -80,8 +80,8 @@ impl<T: Float> Foretell<'_, T> {
     }
 }
 
-/// L of a component, as large as it may be in this step, `ratio` times as long as the last, by that of the
-/// last.
+/// The largest plausible L of a component in this step, given its L in the last step. This step is `ratio`
+/// times as long.
 #[inline(always)]
 pub(crate) fn most_likely<T: Float, const N: usize>(last: &[[T; N]], ratio: T) -> T {
     let mut most = [T::int(0); N];
@@ -89,7 +89,7 @@ pub(crate) fn most_likely<T: Float, const N: usize>(last: &[[T; N]], ratio: T) -
     T::int(LIKELY) * ratio.abs() * largest(most)
 }
 
-/// Gradients as they are foretold, or none where L would be larger than it may be.
+/// The extrapolated gradients; zero where their L would exceed `most`.
 #[inline(always)]
 pub(crate) fn likely<T: Float, const N: usize>(gradient: &[T; N], hb: &[T; N], most: T) -> [T; N] {
     let l = times(hb, gradient);
@@ -148,7 +148,7 @@ impl<T: Float> Kernel for Resolve<'_, T> {
     }
 }
 
-/// Raises the sizes of `components` to the least that is resolved, and takes their inverses.
+/// Raises the sizes of `components` to the smallest size that is resolved, and computes their inverses.
 #[inline(always)]
 pub(crate) fn resolve<T: Float>(scale: &mut [T], inverse: &mut [T], components: Range<usize>) {
     let (m, root) = (scale.len() / 2, T::EPSILON.sqrt());
@@ -171,7 +171,7 @@ pub(crate) fn resolve<T: Float>(scale: &mut [T], inverse: &mut [T], components: 
     }
 }
 
-/// The largest of numbers that are none of them negative.
+/// The largest of non-negative numbers.
 #[inline(always)]
 fn largest_in<T: Float>(x: &[T]) -> T {
     let (rows, rest) = x.as_chunks::<8>();

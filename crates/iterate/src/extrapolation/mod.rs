@@ -1,4 +1,4 @@
-//! What the last step says about the stages of this one.
+//! Extrapolation of the stages from the last step.
 
 pub(crate) mod gradients;
 pub(crate) mod polynomial;

@@ -1,20 +1,20 @@
-//! E and ρ of an extrapolation: what the polynomial through the gradients of the last step, and the one at
-//! its end, is at the nodes of this.
+//! The coefficients E and ρ of the extrapolation: the polynomial through the gradients of the last step, and
+//! through the gradient at the start of this step if known, evaluated at the nodes of this step.
 //!
 //! $$ E_{ij} = -\frac1h \sum_{k<s} \bigl(P_k(\tau_i) - \rho_i P_k(a)\bigr) P_k(c_j), \qquad \rho_i = P_s(\tau_i)/P_s(a), \quad \tau_i = a + r c_i . $$
 //!
-//! E is applied as it stands: Legendre coefficients of L first, then their polynomial at the nodes. Made anew
-//! whenever the ratio r of the steps changes, with variable steps at every step: the nodes stand side by side
-//! in vectors.
+//! E is applied in two factors: Legendre coefficients from L, then their polynomial at the nodes. Its entries
+//! are recomputed whenever the ratio r of the step sizes changes, with variable steps in every step. The
+//! nodes are therefore processed side by side in vectors.
 //!
-//! Cost: s² multiplications, and 2 s² for each component that it is applied to.
+//! Cost: s² multiplications to compute, and 2 s² for each component to apply.
 
 use crate::layout::row::{by_groups, stride_for};
 use crate::matrix::product::product_any;
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Coefficients;
 
-/// E in two factors, and ρ.
+/// E as a product of two factors, and ρ.
 #[derive(Debug)]
 pub struct Polynomial<T> {
     /// −(L_k(τ_i) − ρ_i L_k(a))/h at k·stride + i, with P_k = √(2k+1) L_k.
@@ -25,18 +25,19 @@ pub struct Polynomial<T> {
     /// c_i.
     nodes: Vec<T>,
     stages: usize,
-    /// (2k+1)/(k+1) and k/(k+1), of the recurrence of Legendre polynomials, for k below the degree s.
+    /// The recurrence coefficients (2k+1)/(k+1) and k/(k+1) of the Legendre polynomials, for k below the
+    /// degree s.
     recurrence: Vec<[T; 2]>,
-    /// Room for L_0 … L_s at the start of the step, and at a group of nodes.
+    /// Workspace for L_0 … L_s at the start of the step, and at a group of nodes.
     at_start: Vec<T>,
     at_node: Vec<T>,
-    /// Where the step starts in the last one, its size over that, the size of that, and whether the gradient
-    /// at the start is known.
+    /// What E was computed for: where the step starts in the last one, the ratio of the sizes, the size of
+    /// the last step, and whether the gradient at the start is known.
     made_for: Option<([T; 3], bool)>,
 }
 
 impl<T: Float> Polynomial<T> {
-    /// For steps of this method.
+    /// For steps of this method, before any entries are computed.
     pub fn new(method: &Coefficients<T>) -> Self {
         let (s, degree) = (method.stages(), method.degree());
         let stride = stride_for::<T>(s);
@@ -63,7 +64,7 @@ impl<T: Float> Polynomial<T> {
         }
     }
 
-    /// As it is applied to L.
+    /// The coefficients in the form that is applied to L.
     pub(crate) fn view(&self) -> View<'_, T> {
         View {
             at_nodes: &self.at_nodes,
@@ -72,7 +73,8 @@ impl<T: Float> Polynomial<T> {
         }
     }
 
-    /// For a step that starts at `start` in the last one of size `h`, `ratio` times as long.
+    /// Computes E and ρ for a step that starts at `start` in the last step of size `h` and is `ratio` times
+    /// as long.
     pub(crate) fn make(&mut self, set: InstructionSet, [start, ratio, h]: [T; 3], known: bool) {
         let made_for = Some(([start, ratio, h], known));
         if self.made_for != made_for {
@@ -88,7 +90,7 @@ impl<T: Float> Polynomial<T> {
     }
 }
 
-/// The factors of E, and ρ.
+/// The two factors of E, and ρ.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a, T> {
     at_nodes: &'a [T],
@@ -97,7 +99,7 @@ pub(crate) struct View<'a, T> {
 }
 
 impl<T: Float> View<'_, T> {
-    /// The Legendre coefficients of L, which stands in any number of groups.
+    /// The Legendre coefficients of L, for any number of groups.
     #[inline(always)]
     pub(crate) fn coefficients<'b, const N: usize>(
         &self,
@@ -111,7 +113,7 @@ impl<T: Float> View<'_, T> {
         room
     }
 
-    /// What follows from these for the group g of stages.
+    /// The extrapolated gradient for the group g of stages, from the Legendre coefficients.
     #[inline(always)]
     pub(crate) fn foretell_group<const N: usize>(
         &self,
@@ -180,7 +182,7 @@ impl<T: Float> Make<'_, T> {
     }
 }
 
-/// The classical Legendre polynomials L_0 … L_s at 2τ − 1: P_k = √(2k+1) L_k.
+/// The classical Legendre polynomials L_0 … L_s at 2τ − 1, where P_k = √(2k+1) L_k.
 #[inline(always)]
 fn classical<T: Float, const N: usize>(recurrence: &[[T; 2]], tau: [T; N], out: &mut [[T; N]]) {
     let x = tau.map(|tau| (tau + tau) - T::int(1));
@@ -201,7 +203,7 @@ mod tests {
     use super::*;
     use equip_scalar::DoubleDouble;
 
-    /// Polynomials of degree s, given by their values at the old nodes and at the start, are foretold
+    /// Polynomials of degree s, given by their values at the old nodes and at the start, are extrapolated
     /// exactly.
     fn polynomials_are_foretold<T: Float>(most: f64) {
         for s in 2..=16 {

@@ -1,30 +1,30 @@
 //! The linear half of an iteration, from the gradients to the next stages, compiled for every instruction
 //! set.
 //!
-//! Three forms: `full`, `separable`, `incremental`. A form computes the increments of a block of components
-//! first, and then their Z: products that wait for each other are in loops of their own.
+//! There are three forms: `full`, `separable`, `incremental`. For a block of components, a form computes the
+//! increments first and then Z: products that depend on each other are computed in separate loops.
 //!
-//! Cost: s² products for each component that K is applied to.
+//! Cost: s² products for each component to which K is applied.
 
 use crate::layout::row::{by_groups, difference, largest, placed, stride_for};
 use crate::matrix::product::product_any;
 use equip_scalar::{Float, Pack};
 
-/// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands
-/// at `c·stride + i`.
+/// The data common to all forms: the method, the start of the step, input and output. Component c of stage i
+/// is at `c·stride + i`.
 pub(crate) struct Step<'a, T> {
-    /// K(α) column by column, or K B K of an incremental iteration.
+    /// K(α), or K B K for an incremental iteration, column by column.
     pub(crate) k: &'a [T],
     /// h b_i.
     pub(crate) hb: &'a [T],
-    /// y0, all components.
+    /// y0 of all components, as the sum hi + lo.
     pub(crate) hi: &'a [T],
     pub(crate) lo: &'a [T],
-    /// 1 over the sizes of the components.
+    /// The inverse sizes of the components.
     pub(crate) inverse_scale: &'a [T],
     pub(crate) gradients: &'a mut [T],
     pub(crate) l: &'a mut [T],
-    /// Room for ΔL of an incremental iteration.
+    /// Workspace for ΔL of an incremental iteration.
     pub(crate) delta: &'a mut [T],
     pub(crate) z: &'a mut [T],
     pub(crate) points: &'a mut [T],
@@ -34,18 +34,18 @@ pub(crate) struct Step<'a, T> {
 /// A form of the iteration.
 pub(crate) trait Mix<'a, T: Float> {
     fn step(&mut self) -> &mut Step<'a, T>;
-    /// Components whose Z is computed.
+    /// The number of components whose Z is computed.
     fn unknowns(&self) -> usize;
-    /// L of component c, of so many groups, from the gradients.
+    /// Computes L of component c from the gradients, in so many groups of lanes.
     fn increments<const N: usize>(&mut self, c: usize, groups: usize);
-    /// Z and the stages of component c, of so many groups, from L.
+    /// Computes Z and the stages of component c from L.
     #[inline(always)]
     fn advance<const N: usize>(&mut self, c: usize, groups: usize, change: &mut Moved<N>) {
         self.step().views::<N>(groups).advance(c, change);
     }
 
-    /// All components. Gives the largest change of Z relative to the sizes of the components; not finite if
-    /// anything is not.
+    /// One iteration for all components. Returns the largest change of Z relative to the sizes of the
+    /// components; the result is not finite if any change is not.
     #[inline(always)]
     fn mix(&mut self) -> f64 {
         let s = self.step().s;
@@ -68,11 +68,11 @@ pub(crate) trait Mix<'a, T: Float> {
     }
 }
 
-/// Components whose rows stay in the first-level cache from one loop to the next.
+/// The number of components whose rows stay in the first-level cache between the loops.
 const BLOCK: usize = 32;
 
 impl<'a, T: Float> Step<'a, T> {
-    /// The same, if the floats are doubles.
+    /// The same step if the type is `f64`.
     #[inline(always)]
     pub(crate) fn in_doubles(self) -> Option<Step<'a, f64>> {
         Some(Step {
@@ -90,7 +90,7 @@ impl<'a, T: Float> Step<'a, T> {
         })
     }
 
-    /// In groups of N lanes, of which a component has so many.
+    /// The step, viewed in groups of N lanes, so many for each component.
     #[inline(always)]
     pub(crate) fn views<const N: usize>(&mut self, groups: usize) -> Views<'_, T, N> {
         Views {
@@ -110,7 +110,7 @@ impl<'a, T: Float> Step<'a, T> {
     }
 }
 
-/// [`Step`] in groups of N lanes.
+/// The step, viewed in groups of N lanes.
 pub(crate) struct Views<'a, T, const N: usize> {
     k: &'a [[T; N]],
     pub(crate) hb: &'a [[T; N]],
@@ -143,7 +143,7 @@ impl<T: Float, const N: usize> Views<'_, T, N> {
         }
     }
 
-    /// Z and the stages of component c, group g.
+    /// Stores Z and the stages of component c, group g.
     #[inline(always)]
     pub(crate) fn set(&mut self, c: usize, g: usize, z: [T; N], change: &mut Moved<N>) {
         let at = c * self.groups + g;
@@ -153,7 +153,7 @@ impl<T: Float, const N: usize> Views<'_, T, N> {
     }
 }
 
-/// Changes of Z, lane by lane: their size is asked for, so `f64` will do. Z of the padding is zero.
+/// The changes of Z, lane by lane. They are measured only, so `f64` suffices. Z is zero in the padding.
 pub(crate) struct Moved<const N: usize> {
     largest: [f64; N],
     sum: [f64; N],
@@ -186,7 +186,7 @@ impl<const N: usize> Moved<N> {
 
     #[inline(always)]
     fn reduce(&self) -> f64 {
-        // Not the sum of the sums: in quest of it the compiler would take the vectors of the loop apart.
+        // The sums are not added up first: to do so the compiler would split the vectors of the loop.
         if self.sum.iter().all(|sum| sum.is_finite()) {
             largest(self.largest)
         } else {
@@ -203,14 +203,14 @@ mod tests {
     use crate::forms::separable::Separable;
     use equip_scalar::InstructionSet;
 
-    /// Uneven numbers of all sizes in [−1, 1].
+    /// Irregular numbers in [−1, 1].
     fn numbers(len: usize, seed: usize) -> Vec<f64> {
         (0..len)
             .map(|i| ((i * i + 7 * i + seed) as f64 * 0.731).sin())
             .collect()
     }
 
-    /// What an iteration of m positions and momenta writes, and the change it returns.
+    /// The output of an iteration of m positions and momenta, and the change that it returns.
     fn made(
         s: usize,
         m: usize,

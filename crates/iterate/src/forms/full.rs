@@ -1,4 +1,4 @@
-//! The iteration of any H: Z ← K L with L = h b J∇H, all components.
+//! The iteration for any H: Z ← K L with L = h b J∇H, for all components.
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Step};
@@ -19,7 +19,7 @@ impl<T: Float> Kernel for Full<'_, T> {
     }
 }
 
-/// h b J∇H of one component for a group of stages, from the gradient.
+/// h b J∇H of one component for a group of stages, from its gradient.
 #[inline(always)]
 fn increment<T: Float, const N: usize>(hb: &[T; N], gradient: &[T; N], negative: bool) -> [T; N] {
     let l = times(hb, gradient);

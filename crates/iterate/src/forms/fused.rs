@@ -1,9 +1,9 @@
-//! The iteration of a small system with up to eight stages as one kernel: ∇H, L and Z ← K L with all lengths
-//! literal and everything in registers.
+//! The iteration of a small system with up to eight stages as one kernel. It computes ∇H, L and Z ← K L with
+//! fixed lengths, entirely in registers.
 //!
-//! The same operations in the same order as in [`crate::forms::form`], bit for bit. What bounds an iteration
-//! is the chain of dependent operations, which is walked through for all components side by side: ∇U, then P
-//! ← p + K L_p, then Z_q ← K L_q.
+//! The operations and their order are those of [`crate::forms::form`], so the results agree bit for bit. The
+//! chain of dependent operations limits the speed of an iteration. The kernel therefore processes all
+//! components in parallel along this chain: ∇U, then P ← p + K L_p, then Z_q ← K L_q.
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Step};
@@ -11,10 +11,10 @@ use crate::layout::row::{OnLines, difference, in_memory, literal, placed};
 use crate::matrix::product::{Anew, Mixes, Square};
 use equip_autodiff::{Fused, StageGradients};
 
-/// A form of the iteration that there is a kernel for.
+/// A form of the iteration for which there is a kernel.
 pub(crate) trait Small<'a>: Mix<'a, f64> {
-    /// Iterations of C unknown components: one, and as many more as `again` says. Gives what [`Mix::mix`]
-    /// does of the last.
+    /// Iterates C unknown components once; the incremental form continues as long as `again` returns true.
+    /// Returns the result of [`Mix::mix`] for the last iteration.
     fn kernel<const C: usize, const N: usize>(
         &mut self,
         gradients: &impl StageGradients<C, N>,
@@ -23,7 +23,7 @@ pub(crate) trait Small<'a>: Mix<'a, f64> {
     ) -> f64;
 }
 
-/// A task with what says whether there is one more iteration.
+/// A form of the iteration, and the decision on further iterations.
 pub(crate) struct OneGroup<S, A>(pub(crate) S, pub(crate) A);
 
 impl<'a, S: Small<'a>, A: Again, const N: usize> Fused<N> for OneGroup<S, A> {
@@ -42,15 +42,16 @@ impl<'a, S: Small<'a>, A: Again, const N: usize> Fused<N> for OneGroup<S, A> {
     }
 }
 
-/// The largest change of Z, `by`, relative to the sizes of the components, as an integer: of numbers that are
-/// not negative the larger has the larger bits, and what is not a number the largest. Lane by lane, and the
-/// lanes in memory: by itself the compiler takes all numbers out of their vectors.
+/// The largest change of Z, `by`, relative to the sizes of the components, computed on integers: the bit
+/// patterns of non-negative floats are ordered like the floats, and NaN is the largest. The maximum is taken
+/// lane by lane, and over the lanes in memory; otherwise the compiler would extract all numbers from their
+/// vectors.
 #[inline(always)]
 pub(crate) fn change<const C: usize, const N: usize>(
     by: &[[f64; N]; C],
     inverse_scale: &[f64; C],
 ) -> f64 {
-    // Signed, as AVX2 compares.
+    // Signed, because AVX2 compares signed integers.
     let mut most = OnLines([0_i64; N]);
     for (by, &inverse_scale) in by.iter().zip(inverse_scale) {
         for (most, &by) in most.0.iter_mut().zip(by) {
@@ -68,7 +69,7 @@ pub(crate) fn change<const C: usize, const N: usize>(
     f64::from_bits(most[0].cast_unsigned())
 }
 
-/// Z ← K L and the stages; the largest change of Z.
+/// Z ← K L and the stages. Returns the largest change of Z.
 #[inline(always)]
 pub(crate) fn settle<const C: usize, const N: usize>(
     k: &impl Mixes<N>,
@@ -87,13 +88,13 @@ pub(crate) fn settle<const C: usize, const N: usize>(
     change(&by, numbers(step.inverse_scale))
 }
 
-/// A number for each of C components.
+/// The first C entries, one for each component.
 #[inline(always)]
 pub(crate) fn numbers<const C: usize>(x: &[f64]) -> &[f64; C] {
     literal(x.first_chunk())
 }
 
-/// The rows of C components.
+/// The rows of the first C components.
 #[inline(always)]
 pub(crate) fn rows_of<const C: usize, const N: usize>(x: &mut [f64]) -> &mut [[f64; N]; C] {
     literal(x.as_chunks_mut().0.first_chunk_mut())

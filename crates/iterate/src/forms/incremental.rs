@@ -1,17 +1,18 @@
-//! The iteration of [`crate::forms::separable`] in one product, without the momenta: what a change of L_p
-//! does to Z_q,
+//! The iteration of [`crate::forms::separable`] as one product without the momenta: the change of Z_q that
+//! follows from a change of L_p is
 //!
 //! $$ Z_q \leftarrow Z_q + h M^{-1} (K B K)\, \Delta L_p, \qquad B = \mathrm{diag}(b) . $$
 //!
-//! The same in exact numbers, if Z_q is K L of the L before. Rounded, K B K is not K twice, and quadratic
-//! invariants are kept by K alone: drafts are for iterations with others to come, and L_q is made by these.
-//! What a draft is off goes with ΔL_p, and is always to the same side: K B K is made with care
+//! In exact arithmetic both iterations are the same if Z_q = K L for the previous L. In floating point K B K
+//! differs from two products with K, and only K conserves quadratic invariants. An incremental iteration is
+//! therefore never the last one; the following iteration computes L_q. The error of an incremental iteration
+//! is proportional to ΔL_p and always has the same sign, so K B K is computed accurately
 //! ([`crate::matrix::twofold`]).
 //!
-//! What an iteration of a small system waits for is one product after the other, and of a long chain they are
-//! most of the work.
+//! In a small system, an iteration waits for its dependent products. In a long chain, the products are most
+//! of the work. The incremental form has one product in place of two.
 //!
-//! For the α_k a step starts from, with which most iterations of it are made: K B K costs s³ products.
+//! K B K costs s³ products, so it exists for α = 0 only. Most iterations have α = 0.
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Moved, Step};
@@ -24,7 +25,7 @@ use equip_scalar::{Float, Kernel};
 use std::array::from_fn;
 
 pub(crate) struct Incremental<'a, T> {
-    /// With K B K in place of K.
+    /// The iteration with K B K in place of K.
     pub(crate) half: Separable<'a, T>,
     pub(crate) h: T,
 }
@@ -38,7 +39,7 @@ impl<T: Float> Kernel for Incremental<'_, T> {
     }
 }
 
-/// ΔL_p, and L_p with it.
+/// Updates L_p. Returns ΔL_p.
 #[inline(always)]
 fn moved<T: Float, const N: usize>(hb: &[T; N], gradient: &[T; N], l: &mut [T; N]) -> [T; N] {
     let new = force(hb, gradient);
@@ -93,7 +94,7 @@ impl<'a, T: Float> Mix<'a, T> for Incremental<'a, T> {
     }
 }
 
-/// As many as go on, with what one leaves to the next in registers.
+/// Iterates until `again` returns false; the data passed between iterations stay in registers.
 impl<'a> Small<'a> for Incremental<'a, f64> {
     #[inline(always)]
     fn kernel<const C: usize, const N: usize>(

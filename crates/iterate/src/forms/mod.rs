@@ -1,4 +1,4 @@
-//! The forms of one fixed-point iteration.
+//! The forms of a fixed-point iteration.
 
 pub(crate) mod form;
 pub(crate) mod full;

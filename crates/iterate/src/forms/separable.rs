@@ -1,7 +1,7 @@
-//! The iteration of H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p, the positions unknown: L_p = −h b ∇U, P = p + K
-//! L_p, L_q = h b (M⁻¹ P + b), Z_q ← K L_q.
+//! The iteration for H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p, with the positions as unknowns: L_p = −h b ∇U,
+//! P = p + K L_p, L_q = h b (M⁻¹ P + b), Z_q ← K L_q.
 //!
-//! P is kept where it is asked for only: a long chain waits for its memory.
+//! P is stored only if needed: long chains are limited by memory bandwidth.
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Step};
@@ -13,7 +13,7 @@ use equip_scalar::{Float, Kernel, Lanes};
 
 pub(crate) struct Separable<'a, T> {
     pub(crate) step: Step<'a, T>,
-    /// w and b.
+    /// The inverse masses w and the offset b of T.
     pub(crate) inverse_masses: &'a [T],
     pub(crate) offset: &'a [T],
     pub(crate) keeps_momenta: bool,

@@ -1,4 +1,4 @@
-//! How a step begins: at Z = 0, or from the polynomial of the last step's stage derivatives.
+//! The initial guess of a step: Z = 0, or the extrapolation from the last step.
 
 use crate::extrapolation::gradients::{Foretell, Resolve, Sizes};
 use crate::extrapolation::polynomial::Polynomial;
@@ -9,14 +9,14 @@ use equip_tableau::Coefficients;
 use std::ops::Range;
 
 impl<T: Float> Iterate<T> {
-    /// A step of size `h` begins at `y` with Z = 0.
+    /// Begins a step of size `h` from `y` with Z = 0.
     pub(crate) fn begin_at_rest(&mut self, method: &Coefficients<T>, (y, h): (&State<T>, T)) {
         self.set_step(method, h);
         let len = self.unknowns() * self.stride;
         self.z[..len].fill(T::int(0));
         self.has_momenta = false;
         self.place(y);
-        // Momenta that are no unknowns are not there yet: they count as at the start.
+        // Stage momenta that are not unknowns do not exist yet. They are set to the momenta at the start.
         let (unknowns, stride) = (self.unknowns(), self.stride);
         let momenta = self.points[len..].chunks_exact_mut(stride);
         momenta
@@ -26,8 +26,8 @@ impl<T: Float> Iterate<T> {
         (self.is_measured, self.is_incremental, self.z_is_k_l) = (false, false, true);
     }
 
-    /// A step of size `h` begins at `y`, `ratio` times as long as the last, with the stages that the
-    /// polynomial of the last step leads to; `known` is ∇H at `y`.
+    /// Begins a step of size `h` from `y`, `ratio` times as long as the last step, with the stages
+    /// extrapolated by the polynomial of the last step. `known` is ∇H at `y`.
     pub(crate) fn begin_from_polynomial(
         &mut self,
         method: &Coefficients<T>,
@@ -67,7 +67,7 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// Measures components by their stages.
+    /// Measures the sizes of `components` from their stages.
     pub(crate) fn measure(&mut self, y: &State<T>, components: Range<usize>) {
         let stride = self.stride;
         self.set.run(&mut Sizes {

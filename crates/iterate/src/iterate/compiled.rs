@@ -1,5 +1,5 @@
-//! What depends on the float type alone, compiled once with this crate for `f64` and double-double
-//! ([`equip_scalar::ready!`]).
+//! The functions that depend on the float type alone, compiled once with this crate for `f64` and
+//! double-double ([`equip_scalar::ready!`]).
 
 use crate::convergence::again::Series;
 use crate::extrapolation::polynomial::Polynomial;
@@ -10,7 +10,7 @@ use equip_scalar::Float;
 use equip_tableau::Coefficients;
 use std::ops::Range;
 
-/// The functions, each as it is called.
+/// The functions by name.
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {

@@ -1,4 +1,5 @@
-//! One iteration, all stages at once: Z ← K(α) L(Z), or Z ← Z + M⁻¹ (K(α) L(Z) − Z).
+//! Fixed-point iterations Z ← K(α) L(Z), and preconditioned ones Z ← Z + M⁻¹ (K(α) L(Z) − Z), for all stages
+//! at once.
 
 use crate::convergence::again::{Again, Once, Series};
 use crate::convergence::contraction::{Contraction, Progress};
@@ -14,7 +15,7 @@ use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
 impl<T: Float> Iterate<T> {
-    /// For n components; `alphas` are those a step starts from.
+    /// Allocates for n components. `alphas` are the initial α_k of every step.
     pub fn prepare(
         method: &Coefficients<T>,
         n: usize,
@@ -24,13 +25,13 @@ impl<T: Float> Iterate<T> {
         (ready::<T>().iterate)(method, n, kinetic, alphas)
     }
 
-    /// A step of size `h` begins at `y` with Z = 0 and the α_k to start from.
+    /// Begins a step of size `h` from `y` with Z = 0 and the initial α_k.
     pub fn begin(&mut self, method: &Coefficients<T>, step: (&State<T>, T)) {
         (ready::<T>().at_rest)(self, method, step);
     }
 
-    /// A step of size `h` begins at `y`, where the last one began (`start` = 0) or ended (1), which had the
-    /// size `last`; `known` is ∇H at `y`.
+    /// Begins a step of size `h` from `y` with extrapolated stages. The last step had the size `last`, and
+    /// this step starts where the last one began (`start` = 0) or ended (`start` = 1). `known` is ∇H at `y`.
     pub fn begin_from_last(
         &mut self,
         method: &Coefficients<T>,
@@ -44,22 +45,22 @@ impl<T: Float> Iterate<T> {
         (ready.from_polynomial)(self, method, (y, h, ratio), polynomial, known);
     }
 
-    /// y1 = y0 + Σ L_i, compensated.
+    /// y1 = y0 + Σ L_i, with compensated summation.
     pub fn end_point(&self, y: &State<T>, next: &mut State<T>) {
         (ready::<T>().advance)(self, y, next);
     }
 
-    /// Sees to it that the stages of all components are there.
+    /// Computes the stages of the momenta if they are not stored yet.
     pub fn keep_momenta(&mut self, y: &State<T>) {
         (ready::<T>().make_momenta)(self, y);
     }
 
-    /// From now on with K of these α_k.
+    /// Sets K(α) for the following iterations.
     pub fn set_alphas(&mut self, method: &Coefficients<T>, alphas: &[T]) {
         (ready::<T>().fill_k)(self, method, alphas);
     }
 
-    /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.
+    /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and updates the stages.
     pub fn displace(&mut self, y: &State<T>, mut change: impl FnMut(usize, &mut [T])) {
         let unknowns = self.unknowns();
         let rows = self.z.chunks_exact_mut(self.stride).enumerate();
@@ -68,15 +69,15 @@ impl<T: Float> Iterate<T> {
         self.z_is_k_l = false;
     }
 
-    /// Takes over a step of size `h` from `y` that has these L, stage by stage in blocks of length n, and
-    /// this K(α), row by row: Z = K L and the stages.
+    /// Sets Z = K L and the stages of a step of size `h` from `y`, given its L, stage by stage in blocks of
+    /// length n, and its K(α), row by row.
     pub fn set_stages(&mut self, method: &Coefficients<T>, step: (&State<T>, T), of: (&[T], &[T])) {
         (ready::<T>().stages)(self, method, step, of);
     }
 
-    /// One iteration from the step's start `y`, or as many incremental ones as leave others to come. Returns
-    /// what the last change of Z says, and how many iterations were made; each has evaluated the gradient at
-    /// s points.
+    /// Runs one iteration from the start `y` of the step, or a series of incremental ones if further
+    /// iterations must follow. Returns the state of the iteration after the last change of Z, and the number
+    /// of iterations. Each has evaluated the gradient at s points.
     pub fn fixed_point(
         &mut self,
         energy: &mut Evaluator<T>,
@@ -97,7 +98,7 @@ impl<T: Float> Iterate<T> {
         self.z_is_k_l = true;
         let made = series.made;
         if let Some(progress) = series.progress {
-            // What an incremental iteration leaves has no L: it is never the last.
+            // An incremental iteration does not compute L_q, so it is never the last one.
             let goes_on = progress == Progress::Settled;
             return (
                 if goes_on {
@@ -116,7 +117,7 @@ impl<T: Float> Iterate<T> {
         (contraction.observe(change, remeasured), made)
     }
 
-    /// One iteration, and M⁻¹ applied to what it changes.
+    /// One iteration, with M⁻¹ applied to its change of Z.
     pub fn preconditioned(
         &mut self,
         energy: &mut Evaluator<T>,
@@ -140,8 +141,8 @@ impl<T: Float> Iterate<T> {
         (contraction.observe(change, !was_measured), 1)
     }
 
-    /// How many times as much M⁻¹ makes of the rounding of the stages as M = I does: of stages that are off
-    /// by ±1 in units of their components.
+    /// The factor by which M⁻¹ amplifies rounding errors of the stages compared with M = I, measured for
+    /// errors of ±1 in units of the components.
     pub fn amplification(&mut self, m: &mut dyn Preconditioner<T>) -> f64 {
         let (len, stride) = (self.unknowns() * self.stride, self.stride);
         let rows = &mut self.z_before[..len];
@@ -161,12 +162,12 @@ impl<T: Float> Iterate<T> {
         rows.fold(T::int(0), worst).to_f64()
     }
 
-    /// One iteration. Returns the change.
+    /// One iteration. Returns the change of Z.
     pub(crate) fn once(&mut self, energy: &mut Evaluator<T>, y: &State<T>) -> f64 {
         self.run(energy, y, &mut Once)
     }
 
-    /// Incremental iterations. Returns the last change.
+    /// A series of incremental iterations. Returns the last change of Z.
     pub(crate) fn series(
         &mut self,
         energy: &mut Evaluator<T>,
@@ -176,7 +177,7 @@ impl<T: Float> Iterate<T> {
         self.run(energy, y, series)
     }
 
-    /// Iterations of one form, by one kernel where there is one. Returns the last change.
+    /// Iterations of one form, in one kernel if there is one. Returns the last change of Z.
     #[inline(always)]
     fn run(&mut self, energy: &mut Evaluator<T>, y: &State<T>, again: &mut impl Again) -> f64 {
         let fused = if T::IS_DOUBLE {
@@ -199,7 +200,7 @@ impl<T: Float> Iterate<T> {
         })
     }
 
-    /// The whole iteration as one kernel, if there is one for this energy in this float type.
+    /// The complete iteration in one kernel, if there is one for this energy and this float type.
     #[inline(always)]
     fn fuse<const N: usize>(
         &mut self,
@@ -220,7 +221,7 @@ impl<T: Float> Iterate<T> {
         })
     }
 
-    /// ∇H, or ∇U, at the stages.
+    /// Evaluates ∇H, or ∇U, at the stages.
     fn evaluate(&mut self, energy: &mut Evaluator<T>) {
         let (s, stride) = (self.s, self.stride);
         let len = self.unknowns() * stride;

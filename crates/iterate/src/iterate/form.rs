@@ -1,4 +1,4 @@
-//! The forms of one iteration Z ← K(α) L(Z):
+//! The forms of the iteration Z ← K(α) L(Z):
 //!
 //! | H | unknowns | one iteration | file |
 //! |---|---|---|---|
@@ -14,7 +14,7 @@ use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
 use equip_scalar::Float;
 
-/// The form of an iteration, with all it reads and writes.
+/// The form of an iteration, with its input and output.
 pub(crate) enum Form<'a, T> {
     Full(Full<'a, T>),
     Separable(Separable<'a, T>),
@@ -22,7 +22,7 @@ pub(crate) enum Form<'a, T> {
 }
 
 impl<T: Float> Iterate<T> {
-    /// What the next iteration does.
+    /// The form of the next iteration.
     #[inline(always)]
     pub(crate) fn form<'a>(&'a mut self, y: &'a State<T>) -> Form<'a, T> {
         let twofold = self.twofold.as_deref().filter(|_| self.is_incremental);
@@ -54,8 +54,8 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// The linear half of an iteration: L from the gradients, Z ← K L, and the stages. Gives the largest
-    /// change of Z relative to the sizes of the components; not finite if anything is not.
+    /// The linear half of an iteration: L from the gradients, Z ← K L, and the stages. Returns the largest
+    /// change of Z relative to the sizes of the components; the result is not finite if any change is not.
     pub(crate) fn mix(&mut self, y: &State<T>) -> f64 {
         let set = self.set;
         match self.form(y) {

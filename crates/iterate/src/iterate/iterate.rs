@@ -1,10 +1,9 @@
-//! The stages of a step as an iteration has them: Z, L(Z) and all that an iteration reads and writes.
+//! The stages of a step during the iteration: Z, L(Z), and the workspace of the iteration.
 //!
-//! Component c of stage i stands at `c·stride + i`, so that the stages lie side by side in SIMD registers;
-//! the places from s to `stride` are padding.
+//! Component c of stage i is at `c·stride + i`, so that the stages lie side by side in SIMD registers. The
+//! entries from s to `stride` are padding.
 //!
-//! K enters as K, with K_ij + K_ji = 1 to the last bit, so the solution keeps quadratic invariants to
-//! rounding.
+//! K is stored with K_ij + K_ji = 1 exactly, so the solution conserves quadratic invariants to rounding.
 //!
 //! Cost of an iteration: s gradients (of H, or of U) and 2m s² products. Nothing is allocated.
 
@@ -17,7 +16,7 @@ use equip_autodiff::Kinetic;
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Coefficients;
 
-/// The stages and what an iteration needs of the method.
+/// The stages, and the data of the method that an iteration needs.
 #[derive(Debug)]
 pub struct Iterate<T: Float> {
     pub(crate) s: usize,
@@ -26,43 +25,43 @@ pub struct Iterate<T: Float> {
     /// T(p), if it is quadratic with a diagonal M⁻¹.
     pub(crate) kinetic: Option<Kinetic<T>>,
     pub(crate) set: InstructionSet,
-    /// Room for K row by row.
+    /// Workspace for K row by row.
     rows: Vec<T>,
-    /// K(α) and K of the α_k a step starts from, column by column.
+    /// K(α), and K of the initial α_k, column by column.
     pub(crate) k: Aligned<T>,
     pub(crate) k_start: Aligned<T>,
-    /// K is not the one a step starts from.
+    /// Whether K differs from K of the initial α_k.
     pub(crate) k_has_moved: bool,
     /// h b_i.
     pub(crate) hb: Aligned<T>,
     pub(crate) h: T,
-    /// L of the last iteration, and of the step before.
+    /// L of the last iteration, and of the last step.
     pub(crate) l: Aligned<T>,
     pub(crate) l_before: Aligned<T>,
-    /// Room for ΔL of incremental iterations.
+    /// Workspace for ΔL of incremental iterations.
     pub(crate) delta: Aligned<T>,
-    /// Z of the unknown components, and room for another.
+    /// Z of the unknown components, and a copy.
     pub(crate) z: Aligned<T>,
     pub(crate) z_before: Aligned<T>,
-    /// The stages; those of momenta that are no unknowns where they are kept.
+    /// The stages. Those of momenta that are not unknowns are valid if `has_momenta`.
     pub(crate) points: Aligned<T>,
     pub(crate) has_momenta: bool,
     pub(crate) gradients: Aligned<T>,
-    /// Size of each component over the step, and its inverse.
+    /// The size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
     pub(crate) inverse_scale: Vec<T>,
-    /// K B K with the α_k a step starts from, where iterations may be incremental.
+    /// K B K if iterations may be incremental: for separable H and α = 0.
     pub(crate) twofold: Option<Aligned<T>>,
-    /// Z is K(α) L: incremental iterations take it to be.
+    /// Whether Z = K(α) L, as incremental iterations require.
     pub(crate) z_is_k_l: bool,
-    /// The last iteration was incremental: L is not there.
+    /// Whether the last iteration was incremental. L is then incomplete.
     pub(crate) is_incremental: bool,
-    /// All components have been measured on stages near the solution.
+    /// Whether the sizes were measured on stages near the solution.
     pub(crate) is_measured: bool,
 }
 
 impl<T: Float> Iterate<T> {
-    /// For n components; `alphas` are those a step starts from.
+    /// For n components. `alphas` are the initial α_k of every step.
     pub fn new(
         method: &Coefficients<T>,
         n: usize,
@@ -73,7 +72,7 @@ impl<T: Float> Iterate<T> {
         let s = method.stages();
         let stride = stride_for::<T>(s);
         let set = InstructionSet::best();
-        // One column for each place of L, also the padding: all zero there.
+        // One column for each entry of L. The columns of the padding are zero.
         let mut k = places.zeros(stride * stride);
         let mut k_start = places.zeros(stride * stride);
         let mut by_rows = vec![T::int(0); s * s];
@@ -115,22 +114,22 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// Number of stages s.
+    /// The number of stages s.
     pub fn stages(&self) -> usize {
         self.s
     }
 
-    /// Components n = 2m of the state.
+    /// The number of components n = 2m of the state.
     pub fn components(&self) -> usize {
         self.n
     }
 
-    /// Places of a row: component c of stage i stands at `c·stride + i`.
+    /// The length of a row: component c of stage i is at `c·stride + i`.
     pub fn stride(&self) -> usize {
         self.stride
     }
 
-    /// Components that are unknown: all, or the positions.
+    /// The number of unknown components: all, or the positions.
     pub fn unknowns(&self) -> usize {
         match self.kinetic {
             Some(_) => self.n / 2,
@@ -143,37 +142,38 @@ impl<T: Float> Iterate<T> {
         self.kinetic.is_some()
     }
 
-    /// M⁻¹ of T(p), where the positions are the unknowns.
+    /// The diagonal of M⁻¹ in T(p), if the positions are the unknowns.
     pub fn inverse_masses(&self) -> Option<&[T]> {
         self.kinetic.as_ref().and_then(Kinetic::diagonal)
     }
 
-    /// Whether L is that of the last iteration.
+    /// Whether L belongs to the last iteration.
     pub fn has_increments(&self) -> bool {
         !self.is_incremental
     }
 
-    /// L of the last iteration, h b_i B∇H(Y_i), component by component.
+    /// L of the last iteration, h b_i J∇H(Y_i), component by component.
     pub fn increments(&self) -> &[T] {
         &self.l
     }
 
-    /// The stages Y_i, component by component; momenta after [`keep_momenta`](Self::keep_momenta).
+    /// The stages Y_i, component by component. Those of the momenta are valid after
+    /// [`keep_momenta`](Self::keep_momenta).
     pub fn points(&self) -> &[T] {
         &self.points
     }
 
-    /// Size of each component over the step: max(|y_c|, max_i |Y_ic|).
+    /// The size of each component over the step: max(|y_c|, max_i |Y_ic|).
     pub fn scale(&self) -> &[T] {
         &self.scale
     }
 
-    /// 1 over the sizes.
+    /// The inverse sizes.
     pub fn inverse_scale(&self) -> &[T] {
         &self.inverse_scale
     }
 
-    /// The instructions that kernels use.
+    /// The instruction set of the kernels.
     pub fn instruction_set(&self) -> InstructionSet {
         self.set
     }
@@ -183,7 +183,7 @@ impl<T: Float> Iterate<T> {
         y.advance_by_component(self.set, &self.l, self.s, next);
     }
 
-    /// Stages from Z.
+    /// Computes the stages from Z.
     pub(crate) fn place(&mut self, y: &State<T>) {
         let unknowns = self.unknowns();
         self.set.run(&mut Place {
@@ -195,7 +195,7 @@ impl<T: Float> Iterate<T> {
         });
     }
 
-    /// K of these α_k.
+    /// Sets K of these α_k.
     pub(crate) fn fill_k(&mut self, method: &Coefficients<T>, alphas: &[T]) {
         columns_into(method, alphas, &mut self.rows, &mut self.k);
         self.k_has_moved = true;

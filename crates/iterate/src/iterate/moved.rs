@@ -1,11 +1,11 @@
-//! What moves Z besides the iterations: α_k, a preconditioner, the response to α_k.
+//! Changes of Z, L and the stages other than by an iteration.
 
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
-/// Stages put aside.
+/// A copy of the stages.
 #[derive(Debug)]
 pub struct Kept<T> {
     z: Vec<T>,
@@ -20,7 +20,7 @@ impl<T: Float> Kept<T> {
         &self.l
     }
 
-    /// With room for the stages of `iterate`.
+    /// Allocates a copy for the stages of `iterate`.
     pub fn new(iterate: &Iterate<T>) -> Self {
         let zeros = || vec![T::int(0); iterate.n * iterate.stride];
         Kept {
@@ -33,7 +33,8 @@ impl<T: Float> Kept<T> {
 }
 
 impl<T: Float> Iterate<T> {
-    /// Makes the stages of momenta that are no unknowns: by the linear half of the last iteration once more.
+    /// Computes the stages of momenta that are not unknowns, by repeating the linear half of the last
+    /// iteration.
     pub(crate) fn make_momenta(&mut self, y: &State<T>) {
         if !std::mem::replace(&mut self.has_momenta, true) {
             debug_assert!(!self.is_incremental);
@@ -49,7 +50,7 @@ impl<T: Float> Iterate<T> {
         kept.has_momenta = self.has_momenta;
     }
 
-    /// The stages as they were kept, solved with the α_k that a step starts from.
+    /// Restores the stages in `kept`, which were solved with the initial α_k.
     pub fn put_back(&mut self, kept: &Kept<T>) {
         self.z.copy_from_slice(&kept.z);
         self.l.copy_from_slice(&kept.l);
@@ -59,7 +60,7 @@ impl<T: Float> Iterate<T> {
         (self.k_has_moved, self.z_is_k_l) = (false, true);
     }
 
-    /// Takes over the L of a step that was made elsewhere, stage by stage in blocks of length n.
+    /// Sets the L of another step, stage by stage in blocks of length n.
     pub fn set_increments(&mut self, l: &[T]) {
         for (i, l) in l.chunks_exact(self.n).enumerate() {
             for (c, &l) in l.iter().enumerate() {
@@ -98,13 +99,13 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// Keeps Z as it is, to be compared with.
+    /// Copies Z, for `subtract_kept`.
     pub(crate) fn keep_z(&mut self) {
         let len = self.unknowns() * self.stride;
         self.z_before[..len].copy_from_slice(&self.z[..len]);
     }
 
-    /// Z less what was kept, in place of Z.
+    /// Replaces Z by its difference to the copy.
     pub(crate) fn subtract_kept(&mut self) -> &mut [T] {
         let len = self.unknowns() * self.stride;
         let pairs = self.z[..len].iter_mut().zip(&self.z_before[..len]);
@@ -112,8 +113,8 @@ impl<T: Float> Iterate<T> {
         &mut self.z[..len]
     }
 
-    /// What was kept plus what stands in its place, with the stages; the largest change of Z relative to the
-    /// sizes of the components.
+    /// Adds the copy to Z, and updates the stages. Returns the largest change of Z relative to the sizes of
+    /// the components.
     pub(crate) fn add_kept(&mut self, y: &State<T>) -> f64 {
         let (stride, unknowns) = (self.stride, self.unknowns());
         let (mut most, mut sum) = (T::int(0), T::int(0));

@@ -1,17 +1,16 @@
-//! [`Aligned`]: numbers that begin where a cache line does, and each of several such at a place of its own in
-//! the page.
+//! [`Aligned`]: slices that begin on a cache line, each at a different offset within its memory page.
 //!
-//! A processor that has just written to an address takes a load from another one with the same last 12 bits
-//! for a load of that, and waits. Iterations of a small system write and read a dozen short arrays in turn:
-//! with their places left to the allocator an iteration was measured to take 200 cycles in one run and 300 in
-//! the next.
+//! After a write, a processor mistakes a load from an address with the same last 12 bits for a load of the
+//! written data, and stalls. The iterations of a small system write and read a dozen short arrays in turn.
+//! With offsets chosen by the allocator an iteration was measured to take 200 cycles in one run and 300
+//! cycles in the next.
 
 use equip_scalar::Float;
 use std::ops::{Deref, DerefMut};
 
-/// Bytes of a cache line, and of the widest vector.
+/// The bytes of a cache line, and of the widest vector.
 const LINE: usize = 64;
-/// Bytes after which addresses look alike.
+/// The distance in bytes of addresses with the same last 12 bits.
 const PAGE: usize = 4096;
 
 /// A slice of fixed length at a multiple of 64 bytes.
@@ -46,7 +45,7 @@ impl<'a, T> IntoIterator for &'a Aligned<T> {
     }
 }
 
-/// Hands out slices one behind the other, as far as places in a page go.
+/// Allocates slices at consecutive offsets within a page.
 #[derive(Debug, Default)]
 pub(crate) struct Places {
     next: usize,
@@ -56,7 +55,7 @@ impl Places {
     /// `len` zeros.
     pub(crate) fn zeros<T: Float>(&mut self, len: usize) -> Aligned<T> {
         let size = size_of::<T>();
-        // Where it begins makes no difference to the numbers; long slices are next to all others anyway.
+        // The offset does not affect the numbers. A long slice overlaps the offsets of all others anyway.
         let spare = if len * size < PAGE { PAGE } else { LINE } / size;
         let store = vec![T::int(0); len + spare].into_boxed_slice();
         let address = store.as_ptr().addr();

@@ -1,18 +1,18 @@
-//! How a component's numbers at the stages lie: a *row* is some groups of N lanes, a lane for each stage and
-//! padding behind.
+//! The memory layout of a component at the stages: a *row* is G groups of N lanes, one lane for each stage,
+//! followed by padding.
 //!
-//! Rows are arrays in memory and [`Pack`]s in arithmetic, which the compiler turns into vector instructions
-//! of whatever set it is compiled for.
+//! Rows are arrays in memory and [`Pack`]s in arithmetic. The compiler turns packs into vector instructions
+//! of the instruction set in use.
 
 use equip_scalar::{Float, Pack};
 use std::array::from_fn;
 
-/// Lanes that `s` stages of this float are padded to.
+/// The number of lanes to which `s` stages of this type are padded.
 pub fn stride_for<T: Float>(s: usize) -> usize {
     s.next_multiple_of(lanes_of::<T>(s))
 }
 
-/// Lanes that are worked on together.
+/// The number of lanes processed together.
 #[inline(always)]
 pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
     match T::WIDTH {
@@ -38,7 +38,7 @@ macro_rules! by_groups {
 pub(crate) use by_groups;
 
 /// # Panics
-/// If what is there is shorter than its literal length.
+/// If the slice is shorter than the fixed length.
 #[inline(always)]
 pub(crate) fn literal<R>(found: Option<R>) -> R {
     match found {
@@ -49,19 +49,19 @@ pub(crate) fn literal<R>(found: Option<R>) -> R {
     }
 }
 
-/// What is to be read from memory number by number, where it has just been written: to take the numbers out
-/// of a vector the processor needs the units that multiply and add.
+/// A row to be read from memory number by number, although it has just been written: to extract numbers from
+/// a vector the processor would use the units that multiply and add.
 #[inline(always)]
 pub(crate) fn in_memory<R>(row: &mut R) -> &R {
     std::hint::black_box(row)
 }
 
-/// A row that begins with a cache line: what is written across two comes back late.
+/// A row that begins on a cache line: loads across two lines that were just written are slow.
 #[repr(align(64))]
 pub(crate) struct OnLines<R>(pub(crate) R);
 
-/// Doubles lane by lane, of which the compiler makes better vectors where many rows are at work, others in
-/// packs.
+/// Computes `f64` lane by lane, which the compiler vectorises better if many rows are processed, and other
+/// types in packs.
 macro_rules! each_lane {
     (|$i:ident| $number:expr, $pack:expr) => {
         if T::IS_DOUBLE {
@@ -72,7 +72,7 @@ macro_rules! each_lane {
     };
 }
 
-/// y0 + Z of a component, y0 = hi + lo.
+/// y0 + Z of a component, with y0 = hi + lo.
 #[inline(always)]
 pub(crate) fn placed<T: Float, const N: usize>(hi: T, lo: T, z: &[T; N]) -> [T; N] {
     each_lane!(
@@ -110,14 +110,14 @@ pub(crate) fn add<T: Float, const N: usize>(a: &mut [T; N], b: &[T; N]) {
     *a = each_lane!(|i| a[i] + b[i], T::Pack::of(a) + T::Pack::of(b));
 }
 
-/// a x + b, of doubles rounded once. A loop: what is done in a closure is not always inlined, and calls for
-/// the operation where it is not.
+/// a x + b, with a single rounding for `f64`. It is a loop because a closure is not always inlined, and
+/// `mul_add` would then be a library call.
 #[inline(always)]
 pub(crate) fn fused<T: Float, const N: usize>(a: &[T; N], x: T, b: &[T; N]) -> [T; N] {
     fused_each(a, &[x; N], b)
 }
 
-/// The same with an x for each lane.
+/// The same with one x for each lane.
 #[inline(always)]
 pub(crate) fn fused_each<T: Float, const N: usize>(a: &[T; N], x: &[T; N], b: &[T; N]) -> [T; N] {
     if !T::IS_DOUBLE {
@@ -130,7 +130,8 @@ pub(crate) fn fused_each<T: Float, const N: usize>(a: &[T; N], x: &[T; N], b: &[
     sums
 }
 
-/// Σ_j a_j x_j of `s` columns. Even and odd j are summed apart, so that fewer operations wait for each other.
+/// Σ_j a_j x_j over `s` columns. Even and odd j are summed separately, which shortens the chain of dependent
+/// operations.
 #[inline(always)]
 pub(crate) fn dot<'a, T: Float, const N: usize>(
     s: usize,
@@ -155,7 +156,7 @@ pub(crate) fn dot<'a, T: Float, const N: usize>(
     even
 }
 
-/// Lane by lane the larger of the size and |x|.
+/// The lane-wise maximum of `size` and |x|.
 #[inline(always)]
 pub(crate) fn larger<T: Float, const N: usize>(size: &mut [T; N], x: &[T; N]) {
     for i in 0..N {
@@ -164,7 +165,7 @@ pub(crate) fn larger<T: Float, const N: usize>(size: &mut [T; N], x: &[T; N]) {
     }
 }
 
-/// The largest of all lanes.
+/// The maximum over all lanes.
 #[inline(always)]
 pub(crate) fn largest<T: Float, const N: usize>(mut x: [T; N]) -> T {
     let mut count = N;
@@ -200,8 +201,7 @@ mod tests {
         }
     }
 
-    /// Products of which separate rounding would leave nothing, and uneven ones in the order that is
-    /// promised.
+    /// Products that cancel completely if rounded separately, and irregular ones in the documented order.
     #[test]
     fn products_are_fused_on_every_instruction_set() {
         let e = 2.0_f64.powi(-30);

@@ -1,32 +1,32 @@
-//! The state y = (q, p) with the part that rounding would lose, and the compensated update.
+//! The state y = (q, p) with the remainder of its rounding, and the compensated update.
 
 use crate::layout::row::{by_groups, stride_for};
 use equip_scalar::{Float, InstructionSet, Kernel, Pack};
 
-/// A state kept to about twice the working precision: y = `hi` + `lo`, with |`lo`| at most an ulp of `hi`.
+/// A state with about twice the working precision: y = `hi` + `lo`, with |`lo`| at most an ulp of `hi`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<T> {
-    /// The state, rounded.
+    /// The rounded state.
     pub hi: Vec<T>,
-    /// What rounding has left.
+    /// The remainder of the rounding.
     pub lo: Vec<T>,
 }
 
 impl<T: Float> State<T> {
-    /// (q, p).
+    /// The state (q, p).
     pub fn new(q: &[T], p: &[T]) -> Self {
         let hi: Vec<T> = q.iter().chain(p).copied().collect();
         let lo = vec![T::int(0); hi.len()];
         State { hi, lo }
     }
 
-    /// Takes over another state of the same length.
+    /// Copies another state of the same length.
     pub fn copy_from(&mut self, other: &Self) {
         self.hi.copy_from_slice(&other.hi);
         self.lo.copy_from_slice(&other.lo);
     }
 
-    /// A state of no length, to stand in for one that is lent out.
+    /// A state of length zero, as a placeholder.
     pub fn empty() -> Self {
         State {
             hi: Vec::new(),
@@ -34,12 +34,12 @@ impl<T: Float> State<T> {
         }
     }
 
-    /// y1 = y0 + Σ_i x_i, the last sum of the step, compensated: what the rounding of `hi` loses goes to `lo`
-    /// and enters the next step (Kahan 1965; the sum of increments first, then one two-sum per component).
+    /// y1 = y0 + Σ_i x_i, the final sum of the step, by compensated summation: the rounding error of `hi` is
+    /// stored in `lo` and enters the next step (Kahan 1965). The increments are summed first, then one
+    /// two-sum per component follows.
     ///
-    /// `increments` holds the x_i component by component as an iteration has them, the places from `s` on
-    /// being zero: floats that have vectors add up half against half, so that the chain of additions is
-    /// short.
+    /// `increments` holds the x_i component by component in the layout of an iteration, zero from `s` on. For
+    /// types with vectors the two halves of a row are added, which shortens the chain of additions.
     ///
     /// Cost: 6s + 7 additions per component.
     pub fn advance_by_component(
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
     use equip_scalar::DoubleDouble;
 
-    /// Sums of numbers of all sizes are those of double-double, to its rounding.
+    /// The compensated sum of numbers of different sizes agrees with double-double, up to its rounding.
     #[test]
     fn what_sums_lose_is_kept() {
         for s in [1, 3, 4, 6, 8, 11, 16, 24, 32] {

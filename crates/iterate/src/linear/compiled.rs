@@ -1,5 +1,5 @@
-//! What depends on the float type alone, compiled once with this crate for `f64` and double-double
-//! ([`equip_scalar::ready!`]).
+//! The functions that depend on the float type alone, compiled once with this crate for `f64` and
+//! double-double ([`equip_scalar::ready!`]).
 
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
@@ -8,7 +8,7 @@ use equip_autodiff::Pattern;
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
-/// The functions, each as it is called.
+/// The functions by name.
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {

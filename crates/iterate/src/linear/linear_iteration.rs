@@ -1,21 +1,21 @@
-//! The stage equations linearised, solved by iterations: how a step answers to small changes.
+//! The linearised stage equations, solved by iteration: the response of a step to small perturbations.
 //!
-//! With B_i = h b_i J∇²H(Y_i) a change r of the right-hand side and a change x of an end point move the
-//! stages by
+//! With B_i = h b_i J∇²H(Y_i), a perturbation r of the right-hand side and a perturbation x of one end change
+//! the stages by
 //!
 //! $$ X = K\,\delta L + r \quad\text{(start held)}, \qquad X = r - K^T \delta L \quad\text{(end held)},
 //! \qquad \delta L_i = B_i X_i , $$
 //!
-//! and the other end by Σ δL_i, K being that of α = 0. Both are iterated, momenta first, then positions; for
-//! H = T(p) + U(q) the momenta are put in ([`crate::linear::positions`]). With a preconditioner M the change
-//! that an iteration makes is multiplied by M⁻¹.
+//! and the other end by Σ δL_i. K is that of the initial α_k unless `set_k` replaces it. Each iteration
+//! updates the momenta first, then the positions. For H = T(p) + U(q) the momenta are eliminated
+//! ([`crate::linear::positions`]). With a preconditioner M both are computed from the same X, and the change
+//! of X by an iteration is multiplied by M⁻¹.
 //!
-//! *Layout.* As of the stages, one right-hand side after the other: component c of side k of stage i stands
-//! at
-//! `(k·n + c)·stride + i`.
+//! *Layout.* As for the stages, one right-hand side (side) after the other: component c of side k of stage i
+//! is at `(k·n + c)·stride + i`.
 //!
-//! Cost: an iteration of one side nnz·s + 2m s² products, of positions alone less than half of that. Nothing
-//! is allocated.
+//! Cost: an iteration costs nnz·s + 2m s² products for each side, and less than half of this if the positions
+//! alone are unknown. Nothing is allocated.
 
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
@@ -26,31 +26,31 @@ use equip_autodiff::Pattern;
 use equip_scalar::{Float, mix_stages};
 use equip_tableau::Coefficients;
 
-/// ∇²H at all stages, and what is solved with it.
+/// ∇²H at all stages, and the linear iteration.
 #[derive(Debug)]
 pub struct LinearIteration<T: Float> {
     pub(super) hessians: StageHessians<T>,
-    /// K and −Kᵀ, column by column: for each end that may be held.
+    /// K and −Kᵀ, column by column: one for each end that may be fixed.
     k: [Vec<T>; 2],
     /// K δL, and δL.
     mixed: Vec<T>,
     dl: Vec<T>,
-    /// X before an iteration.
+    /// X before the iteration.
     before: Vec<T>,
-    /// Σ_i δL_i: component c of side k at `k·n + c`; and of the iteration before.
+    /// Σ_i δL_i, component c of side k at `k·n + c`, and its value before the iteration.
     sums: Vec<T>,
     sums_before: Vec<T>,
-    /// The relative change of the sums of each side by the last iteration.
+    /// For each side, the last relative change of Σ_i δL_i.
     changes: Vec<T>,
-    /// What iterations of positions alone need, if there are any.
+    /// The data of iterations for the positions alone, if H is separable.
     positions: Option<Positions<T>>,
 }
 
-/// Right-hand sides r, their solutions X, and where their iteration ends.
+/// Right-hand sides r, their solutions X, and the stopping criterion.
 pub(crate) struct Sides<'a, T> {
     pub(super) r: &'a [T],
     pub(super) x: &'a mut [T],
-    /// Of the components of the sums of δL, and their relative error.
+    /// The weights of the components of Σ_i δL_i, and its relative tolerance.
     pub(super) weights: &'a [T],
     pub(super) tolerance: T,
 }
@@ -95,7 +95,7 @@ impl<T: Float> LinearIteration<T> {
         self.hessians.is_within(most)
     }
 
-    /// From now on with this K, row by row, for an iterate with all components unknown.
+    /// Replaces K, given row by row. All components of the iterate must be unknowns.
     pub fn set_k(&mut self, k: &[T], (s, stride): (usize, usize)) {
         let [forward, back] = &mut self.k;
         for j in 0..s {
@@ -106,12 +106,12 @@ impl<T: Float> LinearIteration<T> {
         }
     }
 
-    /// Whether the positions alone are unknown: the momenta of X are not made then.
+    /// Whether the positions alone are unknown. The momenta of X are not computed then.
     pub fn knows_momenta(&self) -> bool {
         self.positions.is_some()
     }
 
-    /// Σ_i δL_i of side k, component c at `k·n + c`.
+    /// Σ_i δL_i, component c of side k at `k·n + c`.
     pub fn sums(&self) -> &[T] {
         &self.sums
     }
@@ -197,8 +197,8 @@ impl<T: Float> LinearIteration<T> {
         }
     }
 
-    /// δL_p = −h b ∂²H/∂q∂y X, then the momenta; δL_q = h b ∂²H/∂p∂y X, then the positions; or both from the
-    /// same X.
+    /// δL_p = −h b ∂²H/∂q∂y X, then the momenta; δL_q = h b ∂²H/∂p∂y X, then the positions. If `from_same`,
+    /// both are computed from the same X.
     fn iteration(
         &mut self,
         held: Held,
@@ -230,8 +230,8 @@ impl<T: Float> LinearIteration<T> {
         }
     }
 
-    /// Whether the sums of all sides have converged; `None` if they are not finite. The changes before the
-    /// last are known if it `can_compare`.
+    /// Whether the sums of all sides have converged; `None` if they are not finite. If `can_compare`, the
+    /// previous changes are known.
     fn rests(
         &mut self,
         sides: usize,

@@ -1,4 +1,4 @@
-//! The stage equations linearised.
+//! The linearised stage equations.
 
 pub(crate) mod compiled;
 pub(crate) mod linear_iteration;

@@ -1,11 +1,13 @@
-//! For H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p: the momenta put in, the positions are what is solved for,
+//! For H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p, the momenta are eliminated and the equations solved for the
+//! positions:
 //!
 //! $$ X_q = R + h w\, (K B K)\, \delta L_p, \qquad R = r_q + K h B w\, r_p, \qquad \delta L_p = -h B\,
 //! \nabla^2 U\, X_q , $$
 //!
-//! and with the other end held K − 1 1ᵀ in place of K. At the end Σ δL_q = h w (Σ b r_p + κ·δL_p), κ = Kᵀ b.
+//! If the end is fixed, K − 1 1ᵀ replaces K. The other end changes by Σ δL_q = h w (Σ b r_p + κ·δL_p), κ = Kᵀ
+//! b, and by Σ δL_p.
 //!
-//! Cost: an iteration of one side nnz(∇²U)·s + m s² products.
+//! Cost: an iteration costs nnz(∇²U)·s + m s² products for each side.
 
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::Held;
@@ -17,7 +19,7 @@ use equip_autodiff::Pattern;
 use equip_scalar::{Float, InstructionSet, Kernel, Pack, mix_stages};
 use equip_tableau::Coefficients;
 
-/// For each end that may be held, and each row of X_q.
+/// The data for each end that may be fixed, and for each row of X_q.
 #[derive(Debug)]
 pub(crate) struct Positions<T> {
     /// K B K, column by column.
@@ -31,7 +33,7 @@ pub(crate) struct Positions<T> {
 }
 
 impl<T: Float> Positions<T> {
-    /// For so many `rows`, `k` being K for each end.
+    /// Allocates `rows` rows. `k` holds K for each end.
     pub(crate) fn new(method: &Coefficients<T>, k: &[Vec<T>; 2], rows: usize) -> Self {
         let stride = stride_for::<T>(method.stages());
         let twofold = |k: &Vec<T>| {
@@ -56,12 +58,12 @@ impl<T: Float> Positions<T> {
     }
 }
 
-/// What an iteration of several sides reads and writes.
+/// The input and output of an iteration of several sides.
 pub(crate) struct Iteration<'a, T: Float> {
     /// ∂²H/∂y∂y and its entries at the stages.
     pub(crate) pattern: &'a Pattern,
     pub(crate) entries: &'a [T],
-    /// K column by column, for the end that is held.
+    /// K column by column, for the end that is fixed.
     pub(crate) k: &'a [T],
     pub(crate) held: Held,
     /// K δL, and δL.
@@ -71,7 +73,7 @@ pub(crate) struct Iteration<'a, T: Float> {
 }
 
 impl<T: Float> Positions<T> {
-    /// R, from r of `sides`.
+    /// Computes R from r of all sides.
     pub(crate) fn begin(&mut self, of: Iteration<'_, T>, r: &[T], iterate: &Iterate<T>) {
         let half = iterate.n / 2 * iterate.stride;
         let drifts = self.drift.chunks_exact_mut(iterate.n / 2);
@@ -93,7 +95,7 @@ impl<T: Float> Positions<T> {
         }
     }
 
-    /// X_q as it is before the forces change.
+    /// Sets X_q = R, its value without δL_p.
     pub(crate) fn rest_into(&self, x: &mut [T], iterate: &Iterate<T>) {
         let half = iterate.n / 2 * iterate.stride;
         for (x, rest) in x
@@ -104,8 +106,8 @@ impl<T: Float> Positions<T> {
         }
     }
 
-    /// X_q of one iteration more, with its δL. Row by row, each from the rows as they are: those before it
-    /// are new already, unless all are computed `from` another X.
+    /// One iteration for X_q and its δL. A row uses the rows before it as already updated, unless all rows
+    /// are computed `from` another X.
     pub(crate) fn iteration(
         &self,
         of: Iteration<'_, T>,
@@ -127,7 +129,7 @@ impl<T: Float> Positions<T> {
         });
     }
 
-    /// The sums of δL of the last iteration.
+    /// Σ_i δL_i of the last iteration.
     pub(crate) fn sum(&self, of: Iteration<'_, T>, sides: usize, iterate: &Iterate<T>) {
         iterate.set.run(&mut Sums {
             h: iterate.h,
@@ -141,7 +143,7 @@ impl<T: Float> Positions<T> {
     }
 }
 
-/// h b w r_p, and its sums.
+/// h b w r_p, and its sum over the stages.
 struct Drift<'a, T> {
     hb: &'a [T],
     w: &'a [T],
@@ -176,7 +178,7 @@ impl<T: Float> Drift<'_, T> {
     }
 }
 
-/// δL_p = −h B ∇²U X_q and X_q = R + h w (K B K) δL_p of one row after the other.
+/// δL_p = −h B ∇²U X_q and X_q = R + h w (K B K) δL_p, row by row.
 struct Row<'a, T> {
     pattern: &'a Pattern,
     /// h b ∇²H.
@@ -209,7 +211,7 @@ impl<T: Float> Row<'_, T> {
         for row in 0..m {
             let mut side = 0;
             while side < sides {
-                // Numbers of other types fill the registers with one side.
+                // With other types one side fills the registers.
                 side += if const { T::IS_DOUBLE } {
                     match sides - side {
                         1 => self.block::<N, 1>((row, side), groups),
@@ -223,7 +225,7 @@ impl<T: Float> Row<'_, T> {
         }
     }
 
-    /// S sides of a row. Returns S.
+    /// One row of S sides. Returns S.
     #[inline(always)]
     fn block<const N: usize, const S: usize>(
         &mut self,
@@ -258,7 +260,7 @@ impl<T: Float> Row<'_, T> {
     }
 }
 
-/// The sums of δL.
+/// Σ_i δL_i.
 struct Sums<'a, T> {
     h: T,
     w: &'a [T],
@@ -303,7 +305,7 @@ impl<T: Float> Sums<'_, T> {
     }
 }
 
-/// The sum of all lanes, half against half.
+/// The sum of all lanes, by halving.
 #[inline(always)]
 fn folded<T: Float, const N: usize>(lanes: &[T; N]) -> T {
     let fours = lanes.as_chunks::<4>().0;

@@ -1,19 +1,22 @@
-//! The fastest motion of y' = J∇²H y, ω = max |λ(J∇²H)|.
+//! The largest frequency of y' = J∇²H y, ω = max |λ(J∇²H)|.
 //!
-//! By power iteration on A², A = J∇²H, whose largest eigenvalue is −ω² for oscillations and λ² where
-//! neighbours part; squaring it keeps positions and momenta, whose units differ, apart. That comes near ω
-//! from below. With a positive vector x and |A| in place of A the largest ratio of components,
+//! It is computed by power iteration on A², A = J∇²H. The largest eigenvalue of A² is −ω² for oscillations
+//! and λ² where neighbouring solutions separate exponentially. Squaring A keeps positions and momenta, whose
+//! units differ, apart. Power iteration approaches ω from below. For a positive vector x and |A| in place of
+//! A the largest ratio of components,
 //!
 //! $$ \omega^2 \le \max_c \frac{(|A|^2 x)_c}{x_c} , $$
 //!
-//! is a bound from above (Collatz 1942, Wielandt 1950) that mostly tells at once that ω is small enough.
+//! is an upper bound (Collatz 1942, Wielandt 1950). In most cases this bound suffices to show that ω is small
+//! enough.
 //!
-//! In doubles, whatever the float type. Cost: 2·[`ITERATIONS`] products with ∇²H, of the bound two to eight.
+//! The arithmetic is in `f64` for every float type. Cost: 2·[`ITERATIONS`] products with ∇²H, and two to
+//! eight for the bound.
 
 use crate::policy::{BOUNDS, ITERATIONS};
 use equip_autodiff::{Pattern, turned};
 
-/// ∇²H, and room to work with it.
+/// ∇²H, and workspace.
 #[derive(Debug, Default)]
 pub struct PowerIteration {
     entries: Vec<f64>,
@@ -23,7 +26,7 @@ pub struct PowerIteration {
 }
 
 impl PowerIteration {
-    /// Makes room, so that what follows allocates nothing.
+    /// Allocates, so that the other methods do not.
     pub fn make_room(&mut self, pattern: &Pattern) {
         self.entries.resize(pattern.len(), 0.0);
         for x in [&mut self.x, &mut self.once, &mut self.twice] {
@@ -31,7 +34,7 @@ impl PowerIteration {
         }
     }
 
-    /// Takes the entries of ∇²H.
+    /// Sets the entries of ∇²H.
     pub fn set(&mut self, pattern: &Pattern, entries: impl Iterator<Item = f64>) {
         self.make_room(pattern);
         for (to, entry) in self.entries.iter_mut().zip(entries) {
@@ -39,18 +42,19 @@ impl PowerIteration {
         }
     }
 
-    /// ω; 0 if nothing bends the motion or ∇²H is not finite.
+    /// ω; 0 if A² vanishes on the iterated vector or ∇²H is not finite.
     pub fn fastest(&mut self, pattern: &Pattern) -> f64 {
         self.fastest_up_to(pattern, f64::INFINITY)
     }
 
-    /// ω, or what is found of it as soon as that is beyond `most`.
+    /// ω, or a lower bound as soon as it exceeds `most`.
     fn fastest_up_to(&mut self, pattern: &Pattern, most: f64) -> f64 {
-        // Every direction has a part in it, and no symmetry of a system is its own.
+        // The initial vector has components in all directions and shares no symmetry of the system.
         for (i, x) in self.x.iter_mut().enumerate() {
             *x = 1.0 + 0.5 * (1.0 + 7.3 * i as f64).sin();
         }
-        // Two in a row, since an oscillation and a saddle of one rate take turns.
+        // The geometric mean of two successive values, since they alternate if an oscillation and a saddle
+        // have the same rate.
         let (mut before, mut square) = (0.0_f64, 0.0_f64);
         for made in 0..ITERATIONS {
             let found = (before.sqrt() * square.sqrt()).sqrt();
@@ -84,7 +88,7 @@ impl PowerIteration {
         self.fastest_up_to(pattern, most) <= most
     }
 
-    /// A²x, or |A|²x. Returns its largest component.
+    /// A²x, or |A|²x. Returns the largest absolute component.
     fn twice(&mut self, pattern: &Pattern, of: impl Fn(f64) -> f64 + Copy) -> f64 {
         turn(pattern, &self.entries, of, (&self.x, &mut self.once));
         turn(pattern, &self.entries, of, (&self.once, &mut self.twice));
@@ -92,7 +96,7 @@ impl PowerIteration {
     }
 }
 
-/// `out` = J∇²H `x`, of its entries and of J what `of` makes of them.
+/// `out` = J∇²H `x`, with `of` applied to all entries.
 fn turn(
     pattern: &Pattern,
     entries: &[f64],
@@ -129,7 +133,7 @@ mod tests {
         found
     }
 
-    /// ½ k q² + ½ p²/m with (k, m) = (9, 1) and (1, 4), the first one's unit of length changed; a saddle; a
+    /// ½ k q² + ½ p²/m with (k, m) = (9, 1) and (1, 4), the first one in several units of length; a saddle; a
     /// free particle.
     #[test]
     fn springs_in_any_unit() {
@@ -144,8 +148,8 @@ mod tests {
         assert!(free.abs() < f64::MIN_POSITIVE);
     }
 
-    /// Where the signs of ∇²H matter the bound is too large, and does not decide: K = ((1, 1), (1, −1)) has
-    /// the eigenvalues ±√2, an oscillation and a saddle, and |K| has 2.
+    /// If the signs of ∇²H matter, the bound is too large and does not decide: K = ((1, 1), (1, −1)) has the
+    /// eigenvalues ±√2, an oscillation and a saddle, whereas |K| has 2.
     #[test]
     fn what_the_bound_cannot_tell_the_iteration_does() {
         let coupled = pattern(&[0, 2, 4, 5, 6], &[0, 1, 0, 1, 2, 3]);

@@ -1,10 +1,11 @@
-//! Rows of ∇²H at the stages times X.
+//! Rows of ∇²H at the stages, multiplied by X.
 
 use crate::layout::row::fused_each;
 use equip_autodiff::Pattern;
 use equip_scalar::Float;
 
-/// Σ_e entry_e X of one row and one group of stages, of the columns before `end`, for S sides from `side` on.
+/// Σ_e entry_e X for one row and one group of stages, over the columns before `end`, for S sides from `side`
+/// on.
 #[inline(always)]
 pub(crate) fn row_times<T: Float, const N: usize, const S: usize>(
     pattern: &Pattern,

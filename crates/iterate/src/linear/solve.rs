@@ -1,4 +1,4 @@
-//! The linearised equations as the solver calls them.
+//! The interface of the linearised equations to the solver.
 
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
@@ -9,7 +9,7 @@ use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
 impl<T: Float> LinearIteration<T> {
-    /// With the K that a step starts from, for `sides` right-hand sides at most.
+    /// With K of the initial α_k, for at most `sides` right-hand sides.
     pub fn new(
         method: &Coefficients<T>,
         iterate: &Iterate<T>,
@@ -19,20 +19,21 @@ impl<T: Float> LinearIteration<T> {
         (ready::<T>().linear)(method, iterate, pattern, sides)
     }
 
-    /// Takes ∇²H at the stages of an iterate that has converged, all of which are there: s Hessians. Returns
-    /// whether it is finite.
+    /// Evaluates ∇²H at the s converged stages of `iterate`, which must include those of the momenta. Returns
+    /// whether ∇²H is finite.
     pub fn linearise(&mut self, iterate: &Iterate<T>, energy: &mut Evaluator<T>) -> bool {
         self.hessians.evaluate(iterate, energy);
         (ready::<T>().weigh)(self, iterate)
     }
 
-    /// Whether the fastest motion of what was linearised turns by an angle hω of at most `most`.
+    /// Whether the fastest motion of the linearised equations satisfies hω ≤ `most`.
     pub fn is_within(&mut self, most: f64) -> bool {
         (ready::<T>().is_within)(self, most)
     }
 
-    /// Solves for all sides until the error of their sums of δL, each component weighed with `weights`, is
-    /// less than `tolerance`, by how their changes shrink. Returns whether it is.
+    /// Solves for all sides until the estimated error of Σ δL, with each component weighted by `weights`, is
+    /// less than `tolerance`. The estimate follows from the contraction of the changes. Returns whether the
+    /// iteration has converged.
     pub fn solve(
         &mut self,
         held: Held,

@@ -1,4 +1,4 @@
-//! ∇²H at the stages, and δL_i = h b_i J∇²H(Y_i) X_i.
+//! ∇²H at the stages, and the products δL_i = h b_i J∇²H(Y_i) X_i.
 //!
 //! Cost: s Hessians.
 
@@ -16,7 +16,7 @@ pub(crate) struct StageHessians<T: Float> {
     stride: usize,
     set: InstructionSet,
     pub(crate) pattern: Pattern,
-    /// Entry e at `e·stride + i`; the padding is zero.
+    /// Entry e of the pattern at `e·stride + i`; the padding is zero.
     pub(crate) entries: Vec<T>,
     fastest: PowerIteration,
     sizes: Vec<T>,
@@ -38,12 +38,12 @@ impl<T: Float> StageHessians<T> {
         }
     }
 
-    /// ∇²H at the stages of an iterate that has converged.
+    /// Evaluates ∇²H at the converged stages of `iterate`.
     pub(crate) fn evaluate(&mut self, iterate: &Iterate<T>, energy: &mut Evaluator<T>) {
         energy.hessians_by_component(&iterate.points, &mut self.entries, self.stride, self.s);
     }
 
-    /// Multiplies it by h b_i. Returns whether it is finite.
+    /// Multiplies the entries by h b_i. Returns whether they are finite.
     pub(crate) fn weigh(&mut self, iterate: &Iterate<T>) -> bool {
         self.set.run(&mut Weigh {
             entries: &mut self.entries,
@@ -52,7 +52,7 @@ impl<T: Float> StageHessians<T> {
         })
     }
 
-    /// Whether the fastest motion, ∇²H being the mean over the step, turns by an angle hω of at most `most`.
+    /// Whether the fastest motion satisfies hω ≤ `most`, with the mean of ∇²H over the step.
     pub(crate) fn is_within(&mut self, most: f64) -> bool {
         let mut bound = Bound {
             pattern: &self.pattern,
@@ -72,7 +72,7 @@ impl<T: Float> StageHessians<T> {
         self.fastest.is_within(&self.pattern, most)
     }
 
-    /// δL of these rows of ∇²H, from X, of as many sides as X has.
+    /// δL of these rows of ∇²H, from X, for all sides of X.
     pub(crate) fn times(&self, rows: (usize, usize), x: &[T], dl: &mut [T]) {
         self.set.run(&mut Times {
             pattern: &self.pattern,
@@ -85,11 +85,11 @@ impl<T: Float> StageHessians<T> {
     }
 }
 
-/// δL from X: rows of h b ∇²H times X, the sign being that of J.
+/// δL from X: rows of h b ∇²H times X, with the sign of J.
 struct Times<'a, T> {
     pattern: &'a Pattern,
     entries: &'a [T],
-    /// First row and number of rows.
+    /// The first row, and the number of rows.
     rows: (usize, usize),
     x: &'a [T],
     dl: &'a mut [T],
@@ -112,7 +112,7 @@ impl<T: Float> Times<'_, T> {
         for row in (self.rows.0..).take(self.rows.1) {
             let mut side = 0;
             while side < sides {
-                // Numbers of other types fill the registers with one side.
+                // With other types one side fills the registers.
                 side += if const { T::IS_DOUBLE } {
                     match sides - side {
                         1 => self.block::<N, 1>((row, side), groups),
@@ -126,7 +126,7 @@ impl<T: Float> Times<'_, T> {
         }
     }
 
-    /// S sides of a row. Returns S.
+    /// One row of S sides. Returns S.
     #[inline(always)]
     fn block<const N: usize, const S: usize>(
         &mut self,
@@ -147,13 +147,13 @@ impl<T: Float> Times<'_, T> {
     }
 }
 
-/// (hω)² ≤ max_c (|A|² 1)_c, A = J Σ_i |h b_i ∇²H(Y_i)|: a bound that mostly tells at once that hω is
-/// small, in one reading of the entries for each product.
+/// (hω)² ≤ max_c (|A|² 1)_c, A = J Σ_i |h b_i ∇²H(Y_i)|. In most cases this bound suffices to show that hω is
+/// small, at the cost of reading the entries once for each product.
 struct Bound<'a, T> {
     pattern: &'a Pattern,
     entries: &'a [T],
     stride: usize,
-    /// Room for x.
+    /// Workspace for x.
     x: &'a mut [T],
 }
 
@@ -196,7 +196,7 @@ impl<T: Float> Bound<'_, T> {
     }
 }
 
-/// Multiplies the entries by h b_i, and clears the padding. Gives whether they are finite.
+/// Multiplies the entries by h b_i, and clears the padding. Returns whether the entries are finite.
 struct Weigh<'a, T> {
     entries: &'a mut [T],
     hb: &'a [T],

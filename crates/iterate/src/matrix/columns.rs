@@ -1,10 +1,10 @@
-//! K(α) as iterations multiply with it: column by column, the padding zero.
+//! K(α) in the layout of the iterations: column by column, with padding of zeros.
 
 use crate::layout::row::stride_for;
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
-/// K(α) of `method` into the entries of `k`, with room for s² numbers.
+/// Writes K(α) of `method` to `k`. `room` is workspace for s² numbers.
 pub(crate) fn columns_into<T: Float>(
     method: &Coefficients<T>,
     alphas: &[T],

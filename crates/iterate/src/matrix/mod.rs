@@ -1,4 +1,4 @@
-//! K(α) in the shapes in which it is multiplied.
+//! K(α) in its layouts, and the products with it.
 
 pub(crate) mod columns;
 pub(crate) mod product;

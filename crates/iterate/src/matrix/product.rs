@@ -1,4 +1,4 @@
-//! K L for one component, K standing column by column. Products are fused and sums have one order
+//! K L for one component, with K column by column. Products are fused and sums have a fixed order
 //! ([`crate::layout::row::dot`]), so the bits are the same on every instruction set.
 //!
 //! Cost: s² products.
@@ -13,7 +13,7 @@ pub(crate) trait Mixes<const N: usize> {
     fn product(&self, l: &[f64; N]) -> [f64; N];
 }
 
-/// As many columns as there are places in the group.
+/// As many columns as lanes in one group of stages.
 pub(crate) struct Square<'a, const N: usize>(&'a [[f64; N]; N]);
 
 impl<'a, const N: usize> Square<'a, N> {
@@ -30,8 +30,8 @@ impl<const N: usize> Mixes<N> for Square<'_, N> {
     }
 }
 
-/// K that is read from memory for every product. Where the registers are too few for it, the compiler would
-/// otherwise read it before the loop and put it on the stack.
+/// K loaded from memory for every product. If K does not fit into the registers, the compiler would otherwise
+/// hoist it out of a loop and spill it to the stack.
 pub(crate) struct Anew<M>(pub(crate) M);
 
 impl<M: Mixes<N>, const N: usize> Mixes<N> for Anew<M> {
@@ -41,8 +41,8 @@ impl<M: Mixes<N>, const N: usize> Mixes<N> for Anew<M> {
     }
 }
 
-/// Σ_j K_ij L_j for the stages of group g, L standing in as many groups as the columns of K. The sums of
-/// different groups of L are independent, so that fewer operations wait for each other.
+/// Σ_j K_ij L_j for the stages of group g. The sums over different groups of L are independent, which
+/// shortens the chain of dependent operations.
 #[inline(always)]
 pub(crate) fn product_any<T: Float, const N: usize>(
     k: &[[T; N]],
@@ -62,8 +62,7 @@ pub(crate) fn product_any<T: Float, const N: usize>(
     sum
 }
 
-/// What the L of one group gives to group g, with as many columns as there are places: the padding of K is
-/// zero.
+/// The contribution of the L of one group of stages to group g. The padding of K is zero.
 #[inline(always)]
 fn of_group<T: Float, const N: usize>(
     k: &[[T; N]],

@@ -1,18 +1,18 @@
-//! K B K, B = diag(b), of the method with α = 0: what two products with K do to the forces.
+//! K B K, B = diag(b), of the method with α = 0: two products with K, applied to the forces.
 //!
-//! An incremental iteration moves Z by it where other iterations have K twice, and is to differ from them by
-//! no more than rounding the result: Z of all drafts of a step together is that of these iterations then,
-//! though it was far off in the first of them. So K B K is summed in double-double: with a K that is 5e-17
-//! off angular momentum of Kepler's problem grows by 2e-17 a step.
+//! An incremental iteration updates Z with K B K, where other iterations apply K twice. Both must agree up to
+//! the rounding of the result. The sum of all increments of a step then equals the Z of the other iterations,
+//! although the first ones are far from the solution. K B K is therefore summed in double-double: with an
+//! error of 5e-17 in the matrix, the angular momentum of Kepler's problem drifts by 2e-17 a step.
 //!
-//! Cost: s³ products, of doubles in double-double.
+//! Cost: s³ products, for `f64` in double-double.
 
 use crate::layout::aligned::{Aligned, Places};
 use crate::layout::row::stride_for;
 use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
 use equip_tableau::Coefficients;
 
-/// K B K column by column, of K column by column; of doubles to half a unit in the last place.
+/// K B K column by column, from K column by column; for `f64` to half a unit in the last place.
 pub(crate) fn of<T: Float>(
     set: InstructionSet,
     method: &Coefficients<T>,
@@ -45,7 +45,7 @@ pub(crate) fn of<T: Float>(
     twice
 }
 
-/// K B K of any K, which stands column by column, added to `twice`.
+/// Adds K B K to `twice`, for any K column by column.
 pub(crate) fn add_product<T: Float>(
     set: InstructionSet,
     k: &[T],
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use crate::matrix::columns::columns_into;
 
-    /// K L in double-double, K column by column.
+    /// K L in double-double, with K column by column.
     fn mixed(k: &[f64], s: usize, l: &[DoubleDouble]) -> Vec<DoubleDouble> {
         let (zero, stride) = (DoubleDouble::exact(0.0), stride_for::<f64>(s));
         let entry = |i: usize, j: usize| DoubleDouble::exact(k[j * stride + i]);
@@ -98,7 +98,7 @@ mod tests {
             .collect()
     }
 
-    /// To half a unit in the last place, what two products with K do to each unit vector, B between them.
+    /// To half a unit in the last place, K B K times each unit vector equals two products with K.
     #[test]
     fn it_is_two_products_rounded_once() {
         for s in [2, 3, 4, 5, 8, 9, 15, 16, 17, 24, 32] {

@@ -1,14 +1,15 @@
-//! How far the parameters α may change y1.
+//! Bounds on the change of y1 caused by the parameters α.
 //!
-//! *Admissible* (docs/adr/0013). A change of y1 caused by α is admissible up to [`FARTHEST`]
-//! times the larger of the local error of the step and the change that the step's own energy error is
-//! equivalent to, *plus the largest bound of the uncorrected steps just before*, which fades by 1/[`FADING`]
-//! a step: the error that such steps have left may be removed by a later one (docs/adr/0026). If there are
-//! no more parameters than constraints, corrected steps hand on their bound as well: the constraints are what
-//! such a method is chosen for.
+//! *Admissible* (docs/adr/0013). Let a be the larger of the local error of the step and of the change of y1
+//! that the energy error of this step requires. A change of y1 caused by α is admissible up to [`FARTHEST`] ·
+//! a, *plus the largest bound of the uncorrected steps just before*. That bound fades by 1/[`FADING`] a step,
+//! so that a later step may remove the errors of uncorrected steps (docs/adr/0026). If there are no more
+//! parameters than constraints, corrected steps hand on their bound as well, because such a method is chosen
+//! for its constraints.
 //!
-//! Each component counts in units of its change over the step, and so does the component of its group
-//! (positions, momenta) that changes most. At most 1/[`SMALL`] of these units.
+//! A change of a component is measured in two units: the change of this component over the step, and the
+//! largest change of a component in its group (positions, momenta). In both units it must be at most
+//! 1/[`SMALL`].
 
 use crate::policy::{FADING, FARTHEST, SMALL};
 use equip_scalar::Float;
@@ -16,20 +17,20 @@ use equip_scalar::Float;
 /// Bounds on the change of y1, in both units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounds<T> {
-    /// The change that removes the energy error, at least.
+    /// A lower bound of the change that removes the energy error.
     pub(crate) needed: [T; 2],
     /// The bound of this step.
     own: [T; 2],
-    /// The bound that earlier steps hand on.
+    /// The bound handed on by earlier steps.
     handed_on: [T; 2],
-    /// Every α is admissible.
+    /// Whether every α is admissible.
     is_free: bool,
-    /// The local error has been estimated, or is not needed.
+    /// Whether the local error has been estimated, or is not needed.
     pub(crate) has_error: bool,
 }
 
 impl<T: Float> Bounds<T> {
-    /// Of a step whose constraints need a change of `needed`, of which its own errors are `own`.
+    /// For a step whose constraints require the change `needed`. The errors of this step alone require `own`.
     pub(crate) fn new(needed: [T; 2], own: [T; 2], handed_on: [T; 2], is_free: bool) -> Self {
         Bounds {
             needed,
@@ -40,14 +41,14 @@ impl<T: Float> Bounds<T> {
         }
     }
 
-    /// The local error of the step is this.
+    /// Extends the bound by the local error of the step.
     pub(crate) fn extend(&mut self, error: [T; 2]) {
         for (own, error) in self.own.iter_mut().zip(error) {
             *own = own.max(T::int(FARTHEST) * error);
         }
     }
 
-    /// Whether a change is small compared with that over the step.
+    /// Whether a change is small compared with the change over the step.
     pub(crate) fn is_small(&self, change: [T; 2]) -> bool {
         self.is_free || change.iter().all(|&change| change <= T::ratio(1, SMALL))
     }
@@ -62,7 +63,7 @@ impl<T: Float> Bounds<T> {
                     .all(|((&own, &more), change)| change <= own + more)
     }
 
-    /// The bound that is handed on to the next step.
+    /// The bound handed on to the next step.
     pub(crate) fn hands_on(self, has_choice: bool, is_corrected: bool) -> [T; 2] {
         if has_choice && is_corrected {
             return [T::int(0); 2];

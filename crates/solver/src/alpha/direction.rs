@@ -1,6 +1,6 @@
 //! The search direction D of a step: α = D t, one column for each constraint.
 //!
-//! D is a function of the step with α = 0, that is of (y0, h). It does not change within the step.
+//! D depends on the step with α = 0, that is on (y0, h). It does not change within the step.
 //!
 //! | quantity | computed from |
 //! |---|---|
@@ -9,11 +9,11 @@
 //! | V, ∂I_a/∂α_k as the mean over both ends | ∇I_a(y1)·u_k and −∇I_a(y0)·u'_k |
 //! | D | [`crate::alpha::least_displacement`] |
 //!
-//! Only the first [`LEADING`] of the free parameters α_k change, or as many as there are constraints. If
-//! there are no more parameters than constraints, D = I and the equations with y1 held are not solved.
+//! Only the first [`LEADING`] free parameters α_k change, or as many as there are constraints. If there are
+//! no more parameters than constraints, D = I, and the equations with y1 held are not solved.
 //!
-//! Cost: ∇²H at the stages, and some 6 linearised iterations for each of the parameters and each end.
-//! Nothing is allocated.
+//! Cost: ∇²H at the stages, and about 6 linearised iterations for each parameter and each end. Nothing is
+//! allocated.
 
 use crate::alpha::least_displacement::{LeastDisplacement, dot};
 use crate::equations::constraint::Constraint;
@@ -25,28 +25,28 @@ use equip_scalar::{Float, mix_stages};
 use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 
-/// D, and t as far as it has been solved for.
+/// D, and the data of the updates of t.
 #[derive(Debug)]
 pub(crate) struct Direction<T: Float> {
     s: usize,
     n: usize,
     stride: usize,
-    /// Number of the first parameter that changes, from 0, and how many change.
+    /// The index of the first parameter that changes, from 0, and the number of parameters that change.
     first: usize,
     free: usize,
     pub(crate) linear: LinearIteration<T>,
     /// T_k column by column.
     t_columns: Vec<Vec<T>>,
-    /// Right-hand sides, X_k one after the other, and the solutions with y1 held.
+    /// Right-hand sides; the X_k, concatenated; and the solutions with y1 held.
     rhs: Vec<T>,
     x: Vec<T>,
     back: Vec<T>,
-    /// Change of each component over the step with α = 0, and that of the component of its group (positions,
-    /// momenta) that changes most.
+    /// The change of each component over the step with α = 0, and the largest such change in its group
+    /// (positions, momenta).
     pub(crate) motion: [Vec<T>; 2],
     /// 1 over the change of each component.
     pub(crate) weights: Vec<T>,
-    /// u_k, u'_k, and both weighted one after the other.
+    /// u_k and u'_k, and both weighted and concatenated.
     ends: Vec<Vec<T>>,
     starts: Vec<Vec<T>>,
     rows: Vec<Vec<T>>,
@@ -55,20 +55,20 @@ pub(crate) struct Direction<T: Float> {
     v_end: DMatrix<T>,
     d: DMatrix<T>,
     least: LeastDisplacement<T>,
-    /// ∂Z/∂t_a, one after the other.
+    /// ∂Z/∂t_a, concatenated.
     response: Vec<T>,
-    /// ∂I_a/∂t_b, and its factorisation.
+    /// ∂I_a/∂t_b, and its LU factorisation.
     derivatives: DMatrix<T>,
     factorised: DenseLu<T>,
     has_derivatives: bool,
-    /// Square of the displacement by t_b = 1, over both ends.
+    /// The square of the displacement for t_b = 1, over both ends.
     displacements: Vec<T>,
     /// The change of t by the last update.
     delta: DVector<T>,
 }
 
 impl<T: Float> Direction<T> {
-    /// For α_`first` and those after it, from 1, and so many constraints.
+    /// For the parameters from α_`first` on, counted from 1, and this number of constraints.
     pub(crate) fn new(
         method: &Coefficients<T>,
         iterate: &Iterate<T>,
@@ -116,8 +116,8 @@ impl<T: Float> Direction<T> {
         }
     }
 
-    /// Measures the change of each component over the step with α = 0 from `y` to `next`, no less than √ε of
-    /// its size: the unit of displacements.
+    /// Measures the change of each component over the step with α = 0 from `y` to `next`, at least √ε of its
+    /// size. This change is the unit of displacements.
     pub(crate) fn begin(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
         let rows = iterate.points().chunks_exact(self.stride);
         let ends = y.hi.iter().zip(&next.hi);
@@ -142,7 +142,7 @@ impl<T: Float> Direction<T> {
         }
     }
 
-    /// The largest |y_c| in units of the change of the component.
+    /// The largest |y_c| in units of the change of component c.
     pub(crate) fn largest_size(&self, y: &State<T>) -> T {
         let sizes = y.hi.iter().zip(&self.weights);
         sizes.fold(T::int(0), |most, (&y, &weight)| {
@@ -150,13 +150,13 @@ impl<T: Float> Direction<T> {
         })
     }
 
-    /// Linearises at the stages in `iterate`. Returns whether the result is finite.
+    /// Linearises the stage equations at the stages of `iterate`. Returns whether the result is finite.
     pub(crate) fn linearise(&mut self, iterate: &Iterate<T>, energy: &mut Evaluator<T>) -> bool {
         self.linear.linearise(iterate, energy)
     }
 
-    /// Whether the step resolves its fastest oscillation, hω ≤ s, ω that of the linearisation. At hω = s the
-    /// phase error of Gauss is .04, .01 and 5e-4 with s = 2, 4 and 8 (docs/adr/0020).
+    /// Whether the step resolves its fastest oscillation: hω ≤ s, with ω of the linearisation. At hω = s the
+    /// phase error of Gauss is .04, .01 and 5e-4 for s = 2, 4 and 8 (docs/adr/0020).
     pub(crate) fn is_resolved(&mut self) -> bool {
         self.linear.is_within(self.s as f64)
     }
@@ -166,8 +166,8 @@ impl<T: Float> Direction<T> {
         self.d.nrows() > self.d.ncols()
     }
 
-    /// Computes D at the linearisation, to a relative `tolerance` of the displacements. Returns whether there
-    /// is a direction along which the constraints change.
+    /// Computes D from the linearisation, with the relative `tolerance` for the displacements. Returns
+    /// whether the constraints change along D.
     pub(crate) fn compute(
         &mut self,
         (iterate, constraints): (&Iterate<T>, &[Constraint<T>]),
@@ -200,7 +200,7 @@ impl<T: Float> Direction<T> {
         self.has_derivatives
     }
 
-    /// ∂Z/∂t = Σ_k X_k D_k, and ∂I/∂t at y1.
+    /// Computes ∂Z/∂t = Σ_k X_k D_k, and ∂I/∂t at y1.
     fn respond(&mut self) {
         let (side, r) = (self.n * self.stride, self.d.ncols());
         let unknown = self.unknowns() * self.stride;
@@ -217,7 +217,7 @@ impl<T: Float> Direction<T> {
         }
         self.v_end.tr_mul_to(&self.d, &mut self.derivatives);
         for (square, d) in self.displacements.iter_mut().zip(self.d.column_iter()) {
-            // Of one constraint only the ratio to itself counts.
+            // With one constraint the scale of the norm cancels.
             *square = T::int(1);
             if r > 1 {
                 let moved = (0..2 * self.n).map(|c| {
@@ -237,8 +237,8 @@ impl<T: Float> Direction<T> {
         }
     }
 
-    /// One Newton or Broyden update of t towards constraints that are zero: adds D δt to `alphas`. Returns
-    /// whether it is finite.
+    /// One Newton or Broyden update of t towards zero constraints: adds D δt to `alphas`. Returns whether it
+    /// is finite.
     pub(crate) fn update(&mut self, constraints: &[Constraint<T>], alphas: &mut [T]) -> bool {
         for (a, constraint) in constraints.iter().enumerate() {
             self.delta[a] = -constraint.residual;
@@ -251,8 +251,7 @@ impl<T: Float> Direction<T> {
         self.has_derivatives && self.delta.iter().all(|t| t.is_finite())
     }
 
-    /// Corrects ∂I/∂t by what the last update has changed (Broyden 1965; the secant method for one
-    /// constraint).
+    /// Corrects ∂I/∂t after the last update (Broyden 1965; the secant method for one constraint).
     pub(crate) fn learn(&mut self, constraints: &[Constraint<T>]) {
         let weighted = |b: usize, delta: T| self.displacements[b] * delta;
         let terms = self.delta.iter().enumerate();
@@ -260,7 +259,7 @@ impl<T: Float> Direction<T> {
             sum + weighted(b, delta) * delta
         });
         for (a, constraint) in constraints.iter().enumerate() {
-            // With the update t was to make the constraint zero: what is there now was not predicted.
+            // The update was predicted to make the constraint zero, so its residual is the prediction error.
             if constraint.residual.abs() > T::int(4) * constraint.round_off {
                 for (b, &delta) in self.delta.iter().enumerate() {
                     let by = constraint.residual * weighted(b, delta) / square;
@@ -276,7 +275,7 @@ impl<T: Float> Direction<T> {
         self.has_derivatives = self.factorised.factor().is_ok();
     }
 
-    /// Moves Z by ∂Z/∂t δt.
+    /// Adds ∂Z/∂t δt to Z.
     pub(crate) fn follow(&self, iterate: &mut Iterate<T>, y: &State<T>) {
         let (n, stride) = (self.n, self.stride);
         iterate.displace(y, |c, z| {
@@ -287,7 +286,7 @@ impl<T: Float> Direction<T> {
         });
     }
 
-    /// X_k with r = T_k L, and u_k.
+    /// Solves for X_k with r = T_k L, and for u_k.
     fn solve_forward(
         &mut self,
         iterate: &Iterate<T>,
@@ -308,7 +307,7 @@ impl<T: Float> Direction<T> {
         solved
     }
 
-    /// The same with y1 held and r = u_k, and u'_k.
+    /// Solves with y1 held and r = u_k, for u'_k.
     fn solve_back(
         &mut self,
         iterate: &Iterate<T>,

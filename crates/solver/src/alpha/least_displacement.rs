@@ -1,14 +1,15 @@
-//! The α_k that change the constraints for the least displacement of the end point.
+//! The α that satisfies the constraints with the least displacement of the end point.
 //!
-//! The α_k move the end point by U α, U = (u_1 … u_f), and the constraints by Vᵀ α. Of all α with Vᵀ α = −g
-//! those with the least ½ |U α|² + ½ r Σ_k |u_k|² α_k² are
+//! To first order α changes the end point by U α, U = (u_1 … u_f), and the constraints by Vᵀ α. Among all α
+//! with Vᵀ α = −g, the minimiser of ½ |U α|² + ½ r Σ_k |u_k|² α_k² is
 //!
 //! $$ \alpha = D\,t, \qquad D = (G + r\,\mathrm{diag}\,G)^{-1} V, \qquad G = U^T U, $$
 //!
-//! t from the constraints. The norm counts both ends of the step, u_k with the start held and u'_k = −Ψ⁻¹u_k
-//! with the end held, each component in units of its own motion; so D is that of the step made backwards.
+//! with t determined by the constraints. The norm includes both ends of the step: u_k with the start held,
+//! and u'_k = −Ψ⁻¹u_k with the end held, each component in units of its own change. The reversed step
+//! therefore has the same D.
 //!
-//! Cost: f² n operations and a factorisation of size f, the number of free α_k.
+//! Cost: f² n operations and a factorisation of size f, the number of free parameters.
 
 use crate::policy::RIDGE;
 use equip_linear::DenseLu;
@@ -32,8 +33,9 @@ impl<T: Float> LeastDisplacement<T> {
         }
     }
 
-    /// D from the displacements, 2n weighted numbers for each free α, and V: column a of both belongs to
-    /// constraint a. Each column of D has 1 as its largest number. Returns whether there is such a D.
+    /// Computes D from the displacements, 2n weighted numbers for each free parameter, and V. Column a of V
+    /// and of D belongs to constraint a. The largest entry of each column of D is 1. Returns whether D
+    /// exists.
     pub(crate) fn solve(&mut self, rows: &[Vec<T>], v: &DMatrix<T>, d: &mut DMatrix<T>) -> bool {
         let (zero, one) = (T::int(0), T::int(1));
         let finite = |x: T| if x.is_finite() { x } else { zero };
@@ -69,7 +71,7 @@ impl<T: Float> LeastDisplacement<T> {
     }
 }
 
-/// Scalar product, in eight sums side by side.
+/// The scalar product, as eight partial sums.
 pub(crate) fn dot<T: Float>(a: &[T], b: &[T]) -> T {
     let ((eights_a, rest_a), (eights_b, rest_b)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     let mut sums = [T::int(0); 8];

@@ -1,16 +1,17 @@
-//! The local error of the step with α = 0, by the method with two stages more, linearised:
+//! The local error of the step with α = 0, from one linearised step of the method with two more stages:
 //!
 //! $$ e = \sum_j \tilde L_j - \sum_i L_i + \sum_i \delta L_i(X), \qquad X = K\,\delta L + R, \qquad
 //!    R_i = \sum_j E_{ij} \tilde L_j - \sum_j K_{ij} L_j . $$
 //!
-//! L̃_j = h b̃_j J∇H(u(c̃_j)) at the nodes c̃ of s + 2 stages along the collocation polynomial u of the
-//! step, and E_ij = Σ_{k<s+2} (∫_0^{c_i} P_k) P_k(c̃_j): R is the integral of the residual J∇H(u) − u' up
-//! to c_i. X is the response of the stages to it, of the equations that D was computed from.
+//! L̃_j = h b̃_j J∇H(u(c̃_j)) is evaluated at the nodes c̃ of s + 2 stages along the collocation polynomial u
+//! of the step, and E_ij = Σ_{k<s+2} (∫_0^{c_i} P_k) P_k(c̃_j). Thus R is the integral of the residual J∇H(u)
+//! − u' up to c_i. X is the response of the stages to R, by the same linearised equations as D.
 //!
-//! The number of further stages is even: the stability function of s stages is (−1)^s at infinity, and motion
-//! that the step does not resolve would count as an error of the slow motion otherwise.
+//! The number of additional stages is even because the stability function of s stages tends to (−1)^s at
+//! infinity. With an odd number, motion that the step does not resolve would count as an error of the slow
+//! motion.
 //!
-//! Cost: s + 2 gradients, and linearised iterations of one side. No stage equation is solved.
+//! Cost: s + 2 gradients, and linearised iterations for one right-hand side. No stage equation is solved.
 
 use crate::alpha::direction::Direction;
 use crate::outcome::outcome::Counts;
@@ -20,33 +21,31 @@ use equip_iterate::{Held, Iterate, Preconditioner, State, stride_for};
 use equip_scalar::{Float, mix_stages};
 use equip_tableau::{Coefficients, legendre_integrals_at};
 
-/// Further stages.
+/// The number of additional stages.
 const MORE: usize = 2;
 
-/// The nodes of s + [`MORE`] stages, and room.
-///
-/// All rows have the places of s + [`MORE`] stages.
+/// The method with s + [`MORE`] stages, and workspace. All rows have the length for s + [`MORE`] stages.
 #[derive(Debug)]
 pub(crate) struct LocalError<T: Float> {
     finer: Coefficients<T>,
     stride: usize,
-    /// ∫_0^{c̃_j} along the polynomial of L_i, E, and K(0): column by column.
+    /// The maps from L to u(c̃_j) − y0 and from L̃ to its integrals (E), and K(0): column by column.
     prolongation: Vec<T>,
     integration: Vec<T>,
     k: Vec<T>,
-    /// L; the points u(c̃_j), then E L̃; ∇H there; L̃; K L.
+    /// L; the points u(c̃_j), later E L̃; ∇H at these points; L̃; K L.
     coarse: Vec<T>,
     points: Vec<T>,
     gradients: Vec<T>,
     fine: Vec<T>,
     mixed: Vec<T>,
-    /// R and X, as the stages lie.
+    /// R and X, in the layout of the stages.
     r: Vec<T>,
     x: Vec<T>,
 }
 
 impl<T: Float> LocalError<T> {
-    /// `None` if there is no method with so many stages.
+    /// `None` if there is no method with s + 2 stages.
     pub(crate) fn new(method: &Coefficients<T>, iterate: &Iterate<T>) -> Option<Self> {
         let s = method.stages();
         if s + MORE > equip_iterate::MAX_STAGES {
@@ -72,8 +71,9 @@ impl<T: Float> LocalError<T> {
         })
     }
 
-    /// The largest component of e in the units of each of [`Direction::motion`], of a step of size `h` from
-    /// `y` with these L at α = 0, by component; `direction` is linearised there. `None` if e is not finite.
+    /// The largest component of e in each of the units of [`Direction::motion`], for a step of size `h` from
+    /// `y` with these L at α = 0, component by component. `direction` must be linearised at this step. `None`
+    /// if e is not finite.
     pub(crate) fn estimate(
         &mut self,
         energy: &mut Evaluator<T>,
@@ -150,7 +150,7 @@ fn rows<T>(x: &mut [T], stride: usize) -> impl Iterator<Item = &mut [T]> {
     x.chunks_exact_mut(stride)
 }
 
-/// Σ_k (∫_0^c P_k) P_k(c_j) for these c and the nodes c_j of `gauss`, column by column.
+/// Σ_k (∫_0^c P_k) P_k(c_j) for c in `at` and the nodes c_j of `method`, column by column.
 fn integrals<T: Float>(at: &[T], method: &Coefficients<T>, stride: usize) -> Vec<T> {
     let s = method.stages();
     let mut matrix = vec![T::int(0); stride * stride];

@@ -1,4 +1,4 @@
-//! The parameters α: their direction, and how far they may change y1.
+//! The parameters α: their search direction, and bounds on the change of y1.
 
 pub(crate) mod admissible;
 pub(crate) mod direction;

@@ -1,17 +1,17 @@
 //! The second half of system (7): g = I(y1) − I_ref = 0, and the round-off level of g.
 //!
-//! I is the energy, or a further invariant that is to be conserved. I_ref is its value at the start of the
-//! *run*: an error that one step leaves is removed by a later one, and does not walk at random.
+//! I is the energy, or a further invariant to be conserved. I_ref is its value at the initial state of the
+//! *run*: a later step removes the error of an earlier one, and the error of I is no random walk.
 //!
-//! *Round-off level* (docs/adr/0013). With v_k the nodes of the trace of I
+//! *Round-off level* (docs/adr/0013). Let v_k be the nodes of the trace of I. The round-off level is
 //!
 //! $$ \varepsilon \Big( \sum_k |v_k\,\partial I/\partial v_k| + \sum_i |y_i\,\partial_i I|
 //! \Big) + \nu \sum_i |\partial_i I|\, \sigma_i , $$
 //!
-//! ν being the rounding of stages that have converged, relative to the sizes σ of the components. The level
-//! varies by a factor of 30 within one oscillation of a stiff mode, and a close encounter leaves an error as
-//! large as its own level. So g is compared with the largest recent level. That level fades by [`FADING`] a
-//! step once g is below the level of the step itself.
+//! where ν is the rounding of converged stages, relative to the sizes σ of the components. The level varies
+//! by a factor of 30 within one oscillation of a stiff mode, and a close encounter leaves an error of the
+//! order of its own level. Therefore g is compared with the largest recent level. The largest recent level
+//! fades by 1/[`FADING`] a step once |g| is below the level of the current step.
 
 use crate::options::invariant::Invariant;
 use crate::policy::FADING;
@@ -19,27 +19,27 @@ use equip_autodiff::Evaluator;
 use equip_iterate::State;
 use equip_scalar::Float;
 
-/// One equation g = 0 with what is needed to judge and to reduce g.
+/// One equation g = 0, with its round-off level and gradients.
 #[derive(Debug)]
 pub struct Constraint<T: Float> {
-    /// `None` for the energy, which has the run's evaluator.
+    /// `None` for the energy, which uses the evaluator of the run.
     evaluator: Option<Evaluator<T>>,
     pub(crate) reference: T,
-    /// g at the end of the step, and at its start.
+    /// g at the end and at the start of the step.
     pub(crate) residual: T,
     pub(crate) start_error: T,
-    /// The round-off level at the end of the step, and the largest recent one.
+    /// The round-off level at the end of the step, and the largest recent level.
     pub(crate) round_off: T,
     pub(crate) late: T,
-    /// The largest recent one before the step.
+    /// The largest recent level before the step.
     late_before: T,
-    /// ∇I at the end of the step, and at its start.
+    /// ∇I at the end and at the start of the step.
     pub(crate) gradient: Vec<T>,
     pub(crate) start_gradient: Vec<T>,
 }
 
 impl<T: Float> Constraint<T> {
-    /// The energy, of states with `n` components; its reference is given when the run begins.
+    /// The energy, for states with `n` components. Its reference is set when the run begins.
     pub fn energy(n: usize) -> Self {
         let zero = T::int(0);
         Constraint {
@@ -55,7 +55,7 @@ impl<T: Float> Constraint<T> {
         }
     }
 
-    /// A further invariant, of states with `n` components.
+    /// A further invariant, for states with `n` components.
     pub fn invariant(invariant: &Invariant, n: usize) -> Self {
         Constraint {
             evaluator: Some(invariant.function().evaluator::<T>()),
@@ -68,7 +68,7 @@ impl<T: Float> Constraint<T> {
         self.evaluator.is_none()
     }
 
-    /// A run begins at `y`, where the energy is `h_ref`: nothing of earlier steps is left.
+    /// Begins a run at `y` with the energy `h_ref`, and forgets earlier steps.
     pub(crate) fn begin(&mut self, h_ref: T, y: &[T]) {
         let zero = T::int(0);
         self.reference = match &mut self.evaluator {
@@ -80,8 +80,8 @@ impl<T: Float> Constraint<T> {
         (self.residual, self.start_error, self.round_off, self.late) = (zero, zero, zero, zero);
     }
 
-    /// Evaluates I, ∇I and the round-off level at `y1`; ν is the rounding of the stages relative to `sizes`.
-    /// Returns whether they are finite.
+    /// Evaluates I, ∇I and the round-off level at `y1`. ν is the rounding of the stages relative to `sizes`.
+    /// Returns whether the results are finite.
     pub(crate) fn evaluate(
         &mut self,
         energy: &mut Evaluator<T>,
@@ -109,19 +109,19 @@ impl<T: Float> Constraint<T> {
         self.start_error = value - self.reference;
     }
 
-    /// A step begins.
+    /// Begins a step.
     pub(crate) fn begin_step(&mut self) {
         self.late_before = self.late;
     }
 
-    /// The step has failed, perhaps after a part of it was accepted.
+    /// Called if the step has failed, perhaps after a part of it was accepted.
     pub(crate) fn fail(&mut self) {
         self.late = self.late_before;
     }
 
-    /// The step was accepted: its end is the start of the next.
+    /// Called if the step was accepted: its end is the start of the next step.
     pub(crate) fn accept(&mut self) {
-        // What was round-off where it arose is round-off until it is gone.
+        // An error accepted as round-off stays accepted until it is below the current round-off level.
         let fades = self.residual.abs() <= self.round_off;
         let late = if fades {
             self.late * T::ratio(FADING - 1, FADING)
@@ -138,13 +138,13 @@ impl<T: Float> Constraint<T> {
         self.residual.abs() <= self.round_off.max(self.late)
     }
 
-    /// The noise of y1, relative to these sizes of the components, that would change I by as much as g.
+    /// The noise of y1, relative to `sizes`, that would change I by |g|.
     pub(crate) fn noise_equivalent(&self, sizes: &[T]) -> T {
         self.residual.abs() / worth(&self.gradient, sizes)
     }
 
-    /// A change `of` I over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement that is smaller, in units
-    /// of σ, makes or removes it.
+    /// A change `of` I, divided by the mean of Σ_i |∂_iI| σ_i over both ends. Every displacement that causes
+    /// or removes this change is at least as large, in units of σ.
     pub(crate) fn least_displacement(&self, of: T, sizes: &[T]) -> T {
         let both = worth(&self.gradient, sizes) + worth(&self.start_gradient, sizes);
         let least = T::int(2) * of.abs() / both;
@@ -152,7 +152,7 @@ impl<T: Float> Constraint<T> {
     }
 }
 
-/// Σ_i |∂_iI| σ_i, in eight sums side by side.
+/// Σ_i |∂_iI| σ_i, as eight partial sums.
 fn worth<T: Float>(gradient: &[T], sizes: &[T]) -> T {
     let (gradients, rest) = gradient.as_chunks::<8>();
     let mut sums = [T::int(0); 8];

@@ -1,4 +1,4 @@
-//! System (7): its two halves, and their solution without a shortcut.
+//! System (7): the constraint, and a reference solution.
 
 pub(crate) mod constraint;
 #[cfg(test)]

@@ -1,7 +1,7 @@
-//! System (7) and the step of which every path of this crate finds the solution, of the energy alone and all
-//! parameters α_k: plain loops, full Newton for Z, and the secant method for t around it.
+//! A reference solution of system (7) for one step, with the energy as the only constraint: plain loops, full
+//! Newton for Z, and the secant method for t around it. Every path of this crate must find this solution.
 //!
-//! With the stage increments Z_i = Y_i − y0 and L_i = h b_i J∇H(Y_i) the unknowns are Z and α:
+//! With Z_i = Y_i − y0 and L_i = h b_i J∇H(Y_i), the unknowns are Z and α:
 //!
 //! $$ Z_i = \sum_j K_{ij}(\alpha) L_j, \qquad \alpha = D\, t, \qquad H\Big(y_0 + \sum_i L_i\Big) = H_{ref}
 //! . \tag{7} $$
@@ -14,8 +14,8 @@
 //! | D at α = 0, the direction of least displacement | docs/adr/0026 | [`direction`] |
 //! | admissible α | docs/adr/0013 | [`Oracle::step`] |
 //!
-//! Cost: dense matrices of size s·2m, made and allocated anew in every iteration. Tests compare the solver
-//! with it; nothing else calls it.
+//! Cost: dense matrices of size s·2m, allocated and computed in every iteration. Only tests call it, to
+//! compare the solver with it.
 
 use crate::outcome::outcome::Outcome;
 use crate::policy::{FARTHEST, LEADING, RIDGE, SMALL};
@@ -25,7 +25,7 @@ use equip_scalar::Float;
 use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 
-/// A step by the book.
+/// The reference step.
 pub(crate) struct Oracle<T: Float> {
     energy: Evaluator<T>,
     /// Rows and columns of the entries of ∇²H.
@@ -34,7 +34,7 @@ pub(crate) struct Oracle<T: Float> {
     alpha_bound: T,
 }
 
-/// What a step leads to.
+/// The result of a step.
 pub(crate) struct Solution<T> {
     pub(crate) end: Vec<T>,
     pub(crate) alphas: Vec<T>,
@@ -61,8 +61,8 @@ impl<T: Float> Oracle<T> {
         }
     }
 
-    /// The step of size `h` from `y` whose energy error at the start is `start_error`. `None` if Newton does
-    /// not converge.
+    /// The step of size `h` from `y` with the energy error `start_error` at its start. `None` if Newton's
+    /// method does not converge.
     pub(crate) fn step(
         &mut self,
         gauss: &Coefficients<T>,
@@ -140,7 +140,7 @@ impl<T: Float> Oracle<T> {
         }
     }
 
-    /// Z − K(α) L(Z) = 0 by Newton's method, from Z = 0 or from a guess.
+    /// Solves Z − K(α) L(Z) = 0 by Newton's method, from Z = 0 or from a guess.
     fn stages(
         &mut self,
         gauss: &Coefficients<T>,
@@ -224,7 +224,7 @@ impl<T: Float> Oracle<T> {
         each.collect()
     }
 
-    /// hω, ω the largest |λ| of J∇²H in the mean over the step, by power iteration on its square.
+    /// hω, with ω the largest |λ| of the mean of J∇²H over the step, by power iteration on the square.
     fn fastest(&mut self, gauss: &Coefficients<T>, step: (&[T], T), at: &Stages<T>) -> T {
         let b = self.linearise(gauss, step, &at.z);
         let n = step.0.len();
@@ -239,8 +239,8 @@ impl<T: Float> Oracle<T> {
         square.sqrt()
     }
 
-    /// D for the energy alone, with 1 as its largest number and zero for the parameters that do not change,
-    /// and ∂g/∂t.
+    /// D for the energy alone, and ∂g/∂t. The largest entry of D is 1, and the entries of the parameters that
+    /// do not change are 0.
     fn direction(
         &mut self,
         gauss: &Coefficients<T>,
@@ -257,7 +257,7 @@ impl<T: Float> Oracle<T> {
             lu.solve(&mut x);
             (0..s).fold(DVector::zeros(n), |sum, i| sum + &b[i] * x.rows(i * n, n))
         };
-        // Ψ, column by column: how the end moves with the start.
+        // Ψ, the derivative of the end point by the start, column by column.
         let mut psi = DenseLu::new(n);
         for c in 0..n {
             let unit = DVector::from_fn(s * n, |row, _| T::int(i64::from(row % n == c)));
@@ -307,7 +307,7 @@ impl<T: Float> Oracle<T> {
         (largest > T::int(0)).then_some((direction, along))
     }
 
-    /// How far the method with two stages more comes from the same start.
+    /// The end point of the method with two more stages, minus the end point of this step.
     fn local_error(
         &mut self,
         gauss: &Coefficients<T>,
@@ -326,7 +326,7 @@ impl<T: Float> Oracle<T> {
         )
     }
 
-    /// g = H(y1) − H_ref, ∇H(y1) and its round-off level.
+    /// g = H(y1) − H_ref, ∇H(y1), and the round-off level of g.
     fn residual(&mut self, end: &[T]) -> (T, Vec<T>, T) {
         let mut gradient = vec![T::int(0); end.len()];
         let (value, bound) = self.energy.gradient_with_bound(end, &mut gradient);
@@ -338,7 +338,7 @@ impl<T: Float> Oracle<T> {
     }
 }
 
-/// How far each component moves in the step, and the one of its group (positions, momenta) that moves most.
+/// The change of each component over the step, and the largest such change in its group (positions, momenta).
 fn motion<T: Float>(y: &[T], at: &Stages<T>) -> [Vec<T>; 2] {
     let root = T::EPSILON.sqrt();
     let own: Vec<T> = (0..y.len())
@@ -364,7 +364,7 @@ fn matrix<T: Float>(gauss: &Coefficients<T>, alphas: &[T]) -> DMatrix<T> {
     DMatrix::from_row_slice(s, s, &k)
 }
 
-/// I − K∘(B_1 … B_s), factorised.
+/// The LU factorisation of I − (K_ij B_j).
 fn factor<T: Float>(k: &DMatrix<T>, b: &[DMatrix<T>], n: usize) -> Option<DenseLu<T>> {
     let s = b.len();
     let mut lu = DenseLu::new(s * n);

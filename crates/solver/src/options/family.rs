@@ -1,4 +1,4 @@
-//! The families of methods that a step can be made with.
+//! The families of methods for a step.
 
 use equip_iterate::MAX_STAGES;
 use equip_scalar::{Constant, Float};
@@ -9,39 +9,40 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Alphas {
-    /// α_1, α_2, α_3, as far as there are any, so that the end point moves least: the others, which would
-    /// disturb the stages more for the same, stay zero.
+    /// The first three α_k, or as many as there are constraints, such that the end point changes least. The
+    /// other α_k stay zero, because they would change the stages more for the same effect.
     #[default]
     All,
-    /// Only α_{s−1}, as in the paper. Where ∂g/∂α vanishes it has no solution; see the outcomes of the steps.
+    /// Only α_{s−1}, as in the paper. If ∂g/∂α vanishes there is no solution; see the outcomes of the steps.
     Last,
 }
 
-/// What a method is, besides its number of stages.
+/// The family of a method, without its number of stages.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Family {
     /// α = 0.
     Gauss,
-    /// α_{s−1} fixed: symplectic, order 2s − 2.
+    /// α_{s−1} fixed: symplectic, order 2s − 2 if it is not zero.
     FixedAlpha(Constant),
-    /// α solved for at every step.
+    /// α solved for in every step.
     Equip(Alphas),
-    /// HBVM(k, s) of this degree s, on as many Gauss nodes k as there are stages: order 2s, conserves H as
-    /// far as k nodes integrate ∇H along a step, and no quadratic invariant.
+    /// HBVM(k, s) of this degree s, on k Gauss nodes, k being the number of stages. Its order is 2s. It
+    /// conserves H up to the quadrature error of ∇H along a step, and no quadratic invariant.
     Hbvm {
         /// The degree s, from 1 to the number of stages.
         degree: usize,
     },
-    /// HBVM(k, 1) whose stages integrate ∇H along a step to round-off: k of H of degree 2k, else those given.
+    /// HBVM(k, 1) whose stages integrate ∇H along a step to round-off: k stages for H of degree 2k, otherwise
+    /// the given number.
     AveragedVectorField,
-    /// The trapezoidal method on equidistant nodes, 2 to 8 of them: order 2.
+    /// The trapezoidal method on 2 to 8 equidistant nodes: order 2.
     Trapezoidal,
 }
 
 impl Family {
-    /// The method with so many stages.
+    /// The method with this number of stages.
     ///
     /// # Errors
     /// [`TableauError`] if there is none.
@@ -62,7 +63,7 @@ impl Family {
         }
     }
 
-    /// The degree of a step with so many stages, half of its order but for a fixed α ≠ 0.
+    /// The degree of a step with this number of stages: half its order unless α ≠ 0 is fixed.
     pub fn degree(self, stages: usize) -> usize {
         match self {
             Family::Hbvm { degree } => degree,

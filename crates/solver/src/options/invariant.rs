@@ -1,11 +1,11 @@
-//! Further quantities to watch or to keep along a run.
+//! Further quantities to monitor or conserve in a run.
 
 use equip_autodiff::Hamiltonian;
 
-/// A named function of the state, recorded like an energy, whose change along the run the certificate shows.
+/// A named function of the state, traced like an energy. The certificate shows its change over the run.
 ///
-/// Quadratic invariants of the flow (angular and linear momentum, norms) are kept by EQUIP and Gauss for
-/// any step; others are measured only.
+/// EQUIP and Gauss conserve quadratic invariants of the flow (angular and linear momentum, norms) for any
+/// step size. Other invariants are measured only.
 #[derive(Debug, Clone)]
 pub struct Invariant {
     name: String,
@@ -13,7 +13,7 @@ pub struct Invariant {
 }
 
 impl Invariant {
-    /// A quantity I(q, p) under a name, recorded by [`Hamiltonian::new`], or I(t, q, p) by
+    /// A quantity I(q, p) with a name, traced by [`Hamiltonian::new`], or I(t, q, p) traced by
     /// [`Hamiltonian::with_time`].
     pub fn new(name: impl Into<String>, function: Hamiltonian) -> Self {
         Invariant {
@@ -22,7 +22,7 @@ impl Invariant {
         }
     }
 
-    /// Its name.
+    /// The name.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -32,7 +32,8 @@ impl Invariant {
         &self.function
     }
 
-    /// Whether it is at most quadratic, and so kept for free if the flow keeps it.
+    /// Whether the function is at most quadratic. If it is an invariant of the flow, the method then
+    /// conserves it at no cost.
     pub fn is_quadratic(&self) -> bool {
         self.function.structure().is_quadratic()
     }

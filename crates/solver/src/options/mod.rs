@@ -1,4 +1,4 @@
-//! What is asked of a step.
+//! The options of a step.
 
 pub(crate) mod family;
 pub(crate) mod invariant;

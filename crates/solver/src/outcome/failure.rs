@@ -1,7 +1,7 @@
-//! Why a step could not be made, without times and sizes: those of the part that failed are
+//! Why a step failed. The time and size of the failed part are in
 //! [`Core::failed_part`](crate::Core::failed_part).
 
-/// Why a step was not made.
+/// Why a step failed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Failure<T> {
     /// H or its derivatives are infinite or NaN inside the step.
@@ -13,28 +13,28 @@ pub enum Failure<T> {
     /// The stage equations were not solved.
     #[error("the stage equations did not converge; take a smaller step")]
     NoConvergence {
-        /// Iterations of the last attempt.
+        /// The iterations of the last attempt.
         iterations: u32,
-        /// Last correction, relative to the state.
+        /// The last change of the stages, relative to the state.
         correction: T,
     },
-    /// No admissible α keeps what is to be kept.
+    /// No admissible α satisfies the constraints.
     #[error("no admissible α was found; take a smaller step or more stages")]
     NoAlpha,
-    /// The stage equations have a solution that has nothing to do with the motion.
+    /// The solution of the stage equations does not follow the motion.
     #[error("the solution found does not follow the motion; take a smaller step")]
     Astray {
-        /// What H changes by over the step.
+        /// The change of H over the step.
         change: T,
-        /// Σ_i h b_i Σ_c |q̇_c ṗ_c|, the energy exchanged in it.
+        /// Σ_i h b_i Σ_c |q̇_c ṗ_c|, the energy exchanged between positions and momenta in the step.
         exchanged: T,
     },
 }
 
-/// A memory that does not fit the solver it is given to.
+/// A memory that does not fit its solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the memory of the solver is damaged: {what} does not fit; start without it")]
 pub struct Damaged {
-    /// Which part.
+    /// The name of the part.
     pub what: &'static str,
 }

@@ -1,4 +1,4 @@
-//! What is known of a step when it is done.
+//! The result of a step.
 
 pub(crate) mod failure;
 pub(crate) mod outcome;

@@ -1,29 +1,30 @@
-//! How a step ended, and the counts of all that was done.
+//! How a step ended, and the counts of work and outcomes.
 
 use std::fmt;
 
-/// How a step ended. Every step has exactly one outcome; a step that was halved has that of its worse half.
+/// How a step ended. Every step has exactly one outcome; a halved step has the outcome of its worse half.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Outcome {
-    /// The energy was not requested (Gauss, fixed α).
+    /// The energy was not requested as a constraint (Gauss, fixed α).
     NotAsked,
-    /// H is at most quadratic: every member of the family keeps it, nothing to solve.
+    /// H is at most quadratic: every method of the family conserves it.
     Quadratic,
-    /// With α = 0 the energy error was at the round-off level already: no α was needed.
+    /// With α = 0 the energy error was already at the round-off level.
     AtRoundOff,
-    /// An α was found that brings H back to its reference within the round-off level.
+    /// An admissible α was found for which the energy error is at the round-off level.
     Solved,
-    /// Uncorrected: no α changes the energy. The step was made with α = 0, and a later step may remove its
-    /// energy error, as in the next three cases.
+    /// Uncorrected: no α changes the energy. The step was accepted with α = 0, and a later step may remove
+    /// its energy error. This holds for the next three cases as well.
     NoEffect,
-    /// Uncorrected: the energy would take an α beyond its bound, or one whose stages are not found.
+    /// Uncorrected: the energy would require an α beyond its bound, or an α for which the stages do not
+    /// converge.
     BeyondBound,
     /// Uncorrected: α would change the end point more than the step's own error allows.
     TooFar,
-    /// Uncorrected: the step does not resolve its fastest motion. Its energy error is the error of that
-    /// motion, and α would remove it from the slow motion.
+    /// Uncorrected: the step does not resolve its fastest motion. Its energy error belongs to that motion,
+    /// and α would correct the slow motion instead.
     Unresolved,
 }
 
@@ -40,7 +41,7 @@ impl Outcome {
         Outcome::Unresolved,
     ];
 
-    /// The words used for it in certificates, tables and files.
+    /// The words for the outcome in certificates, tables and files.
     pub fn label(self) -> &'static str {
         match self {
             Outcome::NotAsked => "energy not requested",
@@ -54,7 +55,7 @@ impl Outcome {
         }
     }
 
-    /// Whether H is at its reference at the end of the step, within the round-off level.
+    /// Whether the energy error at the end of the step is at the round-off level.
     pub fn energy_kept(self) -> bool {
         matches!(
             self,
@@ -62,7 +63,7 @@ impl Outcome {
         )
     }
 
-    /// Whether the energy error of the step is left to a later one.
+    /// Whether the energy error of the step is left to a later step.
     pub fn is_uncorrected(self) -> bool {
         matches!(
             self,
@@ -71,42 +72,43 @@ impl Outcome {
     }
 }
 
-/// Counts of work and outcomes. Equal runs have equal counts on every machine.
+/// Counts of work and outcomes. The counts of equal runs are equal on every machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Counts {
-    /// Steps made.
+    /// Completed steps.
     pub steps: u64,
     /// Fixed-point iterations Z ← K L over all stages.
     pub fixed_point_iterations: u64,
-    /// Iterations with a preconditioner.
+    /// Preconditioned iterations.
     pub newton_iterations: u64,
-    /// Times the stages of a step were begun anew with another preconditioner.
+    /// Restarts of the stages of a step with another or a recomputed preconditioner.
     pub taken_over: u64,
-    /// Preconditioners made of ∇²H at all stages: a dense matrix of size s·2m, s·m for H = T(p) + U(q).
+    /// Factorisations with ∇²H at all stages: a dense matrix of size s·2m, or s·m for H = T(p) + U(q).
     pub factorisations: u64,
-    /// Preconditioners made of one ∇²H: ⌈s/2⌉ complex systems of size 2m, or m.
+    /// Complex systems factorised for one ∇²H: ⌈s/2⌉ for each preconditioner, of size 2m, or m for separable
+    /// H.
     pub simplified_factorisations: u64,
     /// Evaluations of ∇H at one point.
     pub gradients: u64,
-    /// Evaluations of H alone, to measure an energy that is not solved for.
+    /// Evaluations of H alone, to measure an energy that is not a constraint.
     pub energies: u64,
     /// Evaluations of ∇²H at one point.
     pub hessians: u64,
-    /// Search directions of α, one for each step that solves for α.
+    /// Search directions of α: one for each step that solves for α.
     pub directions: u64,
     /// Updates of α.
     pub alpha_updates: u64,
-    /// Local errors estimated to judge a change of y1: the gradients at the nodes of two stages more each,
-    /// which are counted above.
+    /// Local errors estimated to decide whether a change of y1 is admissible. The s + 2 gradients of each are
+    /// counted above.
     pub local_errors: u64,
-    /// Times a step was split into two.
+    /// How often a step was split into two halves.
     pub halvings: u64,
     outcomes: ByOutcome,
 }
 
-/// Numbers of steps, printed and written by the names of their outcomes; those that are zero are left out.
+/// The number of steps by outcome. Printed and serialised by name, without zeros.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -155,13 +157,13 @@ impl Counts {
         self.outcomes.0[outcome as usize]
     }
 
-    /// Steps whose energy error was left to later ones.
+    /// The number of uncorrected steps.
     pub fn uncorrected(&self) -> u64 {
         let uncorrected = Outcome::ALL.into_iter().filter(|o| o.is_uncorrected());
         uncorrected.map(|o| self.outcome(o)).sum()
     }
 
-    /// Counts a step that ended so.
+    /// Counts a step with this outcome.
     pub fn record(&mut self, outcome: Outcome) {
         self.steps += 1;
         self.outcomes.0[outcome as usize] += 1;
@@ -185,7 +187,7 @@ mod tests {
         );
     }
 
-    /// As certificates count it.
+    /// The classification of the certificate.
     #[test]
     fn outcomes_are_kept_carried_or_not_asked() {
         for outcome in Outcome::ALL {

@@ -1,14 +1,14 @@
-//! [`Part`]: what a step, or each part of a halved one, has passed through.
+//! [`Part`]: the data of a step, or of each part of a halved step, for dense output.
 
 use equip_iterate::{Iterate, State};
 use equip_scalar::Float;
 
-/// What a step, or a part of a halved step, leaves for dense output.
+/// The data of a step, or of a part of a halved step, for dense output.
 #[derive(Debug, Clone)]
 pub struct Part<T> {
-    /// The state it starts from, n = 2m components.
+    /// The state at its start, n = 2m components.
     pub start: State<T>,
-    /// Time at its start.
+    /// The time at its start.
     pub time: T,
     /// Its size.
     pub h: T,
@@ -18,7 +18,7 @@ pub struct Part<T> {
     pub alphas: Vec<T>,
 }
 
-/// The parts of the step made last, in the order of time. Buffers are reused.
+/// The parts of the last step, in the order of time. Buffers are reused.
 #[derive(Debug)]
 pub(crate) struct Parts<T> {
     pub(crate) wanted: bool,
@@ -39,7 +39,7 @@ impl<T: Float> Parts<T> {
         self.count = 0;
     }
 
-    /// Adds the part whose stages have just been solved, if parts are wanted.
+    /// Adds the part whose stages have just been solved, if parts are requested.
     pub(crate) fn add(
         &mut self,
         (start, time, h): (&State<T>, T, T),

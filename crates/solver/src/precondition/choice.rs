@@ -1,8 +1,9 @@
-//! Which preconditioner a step is iterated with: the cheapest that contracts.
+//! The choice of the preconditioner: the least expensive one that contracts.
 //!
-//! A step begins with the one that the last was made with. Where its iteration does not contract it is made
-//! anew at the present state, then the next dearer one is tried: 1 → springs → one ∇²H → ∇²H at all stages. A
-//! cheaper one that has failed is tried again after 1, 2, 4, … steps.
+//! A step begins with the preconditioner of the last step. If its iteration does not contract, the
+//! preconditioner is recomputed at the present state, then the next more expensive one is tried: 1 → stiff
+//! modes → one ∇²H → ∇²H at all stages. A less expensive one that has failed is tried again after 1, 2, 4, …
+//! steps.
 
 use crate::memory::SolverMemory;
 use crate::options::step_options::Preconditioner as Wanted;
@@ -17,7 +18,7 @@ use equip_iterate::{Iterate, Preconditioner, State};
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
-/// The preconditioners, from the cheapest on.
+/// The preconditioners, from the least expensive one on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Identity,
@@ -28,7 +29,7 @@ enum Kind {
 
 const KINDS: [Kind; 4] = [Kind::Identity, Kind::Diagonal, Kind::Frozen, Kind::Full];
 
-/// The one that the first step begins with.
+/// The preconditioner of the first step.
 fn first(wanted: Wanted) -> Kind {
     match wanted {
         Wanted::Automatic | Wanted::Identity => Kind::Identity,
@@ -38,25 +39,25 @@ fn first(wanted: Wanted) -> Kind {
     }
 }
 
-/// The preconditioners of a method, and which of them is at work.
+/// The preconditioners of a method, and the active one.
 #[derive(Debug)]
 pub(crate) struct Choice<T: Float> {
     wanted: Wanted,
     active: Kind,
-    /// Steps before a cheaper one is tried again, and how many it will be after the next failure.
+    /// Steps before a less expensive one is tried again, and the number of steps after the next failure.
     left: u64,
     wait: u64,
-    /// The step size that the active one was made for; zero if it was not.
+    /// The step size for which the active one was computed; zero if it was not.
     made_for: T,
-    /// It was made in the present step.
+    /// Whether the active one was computed in the present step.
     is_fresh: bool,
-    /// How many times as much it makes of rounding as M = 1 does; not finite if it was not measured.
+    /// The factor by which it amplifies rounding compared with M = 1; not finite if not measured.
     amplification: f64,
     diagonal: Option<Diagonal>,
     frozen: Option<Frozen>,
     full: Option<Full>,
     can_be_dense: bool,
-    /// One ∇²H, empty before there is one, and the state it is taken at.
+    /// The state at which ∇²H is evaluated, and its entries; no entries before the first evaluation.
     state: Vec<T>,
     hessian: Vec<T>,
     structure: Structure,
@@ -76,7 +77,7 @@ impl<T: Float> Choice<T> {
             made_for: T::int(0),
             is_fresh: false,
             amplification: f64::INFINITY,
-            // What may never be needed is made when it is.
+            // Preconditioners that may never be needed are allocated on first use.
             diagonal: (wanted == Wanted::Diagonal).then(|| Diagonal::new(method, iterate)),
             frozen: (wanted == Wanted::Frozen)
                 .then(|| Frozen::new(method, iterate, structure))
@@ -93,14 +94,14 @@ impl<T: Float> Choice<T> {
         }
     }
 
-    /// A step begins: perhaps with a cheaper one than the last.
+    /// Begins a step, perhaps with a less expensive preconditioner than the last.
     pub(crate) fn begin_step(&mut self) {
         self.is_fresh = false;
         if self.follows_stages() {
             self.made_for = T::int(0);
         }
         if self.wanted == Wanted::Diagonal {
-            // Without springs the last step had none.
+            // The last step may have found no stiff modes and used M = 1.
             self.active = Kind::Diagonal;
         }
         if self.wanted == Wanted::Automatic && self.active != Kind::Identity {
@@ -112,7 +113,7 @@ impl<T: Float> Choice<T> {
         }
     }
 
-    /// A step was made.
+    /// Ends an accepted step.
     pub(crate) fn end_step(&mut self) {
         if self.active == Kind::Identity {
             self.wait = 1;
@@ -124,13 +125,13 @@ impl<T: Float> Choice<T> {
         self.active == Kind::Identity
     }
 
-    /// Whether M is there for steps of size `h`; of M that follows the stages, from this step.
+    /// Whether M exists for steps of size `h`; for M at all stages, whether it was computed in this step.
     pub(crate) fn is_made_for(&self, h: T) -> bool {
         self.is_identity() || self.made_for == h
     }
 
-    /// Sees to it that M is there for a step of size `h` from `y`, at the stages as they are. Returns whether
-    /// it is.
+    /// Computes M for a step of size `h` from `y`, at the present stages, unless it exists. Returns whether M
+    /// exists.
     pub(crate) fn make(
         &mut self,
         (method, iterate): (&Coefficients<T>, &Iterate<T>),
@@ -177,7 +178,7 @@ impl<T: Float> Choice<T> {
         }
     }
 
-    /// Why M could not be made.
+    /// Why M could not be computed.
     pub(crate) fn failure<U>(&self) -> Failure<U> {
         let is_finite = match (self.active, &self.full) {
             (Kind::Full, Some(full)) => full.is_finite(),
@@ -217,7 +218,7 @@ impl<T: Float> Choice<T> {
         factored.is_ok()
     }
 
-    /// Σ_i b_i Y_i; of momenta that are no unknowns, and enter no derivative, those at the start.
+    /// The mean Σ_i b_i Y_i. Momenta that are not unknowns do not enter ∇²U; those of the start are used.
     fn mean(&mut self, method: &Coefficients<T>, iterate: &Iterate<T>, y: &State<T>) {
         let unknown = iterate.unknowns();
         let rows = iterate.points().chunks_exact(iterate.stride());
@@ -231,7 +232,7 @@ impl<T: Float> Choice<T> {
         }
     }
 
-    /// M, where it is not 1.
+    /// M, unless M = 1.
     pub(crate) fn operator(&mut self) -> Option<&mut (dyn Preconditioner<T> + '_)> {
         match self.active {
             Kind::Identity => None,
@@ -247,8 +248,8 @@ impl<T: Float> Choice<T> {
         }
     }
 
-    /// How many times as much M⁻¹ makes of rounding as M = 1 does. Of M that follows the stages this is not
-    /// known.
+    /// The factor by which M⁻¹ amplifies rounding compared with M = 1. It is not measured for M at all
+    /// stages.
     pub(crate) fn amplification(&mut self, iterate: &mut Iterate<T>) -> f64 {
         if self.active == Kind::Identity {
             return 1.0;
@@ -262,12 +263,12 @@ impl<T: Float> Choice<T> {
         self.amplification
     }
 
-    /// Whether M is to be made anew in every iteration.
+    /// Whether M must be recomputed in every iteration.
     pub(crate) fn follows_stages(&self) -> bool {
         self.active == Kind::Full
     }
 
-    /// The iteration does not contract. Returns whether there is another M to begin anew with.
+    /// Called if the iteration does not contract. Returns whether the step can be restarted with another M.
     pub(crate) fn escalate(&mut self) -> bool {
         if matches!(self.active, Kind::Diagonal | Kind::Frozen) && !self.is_fresh {
             self.made_for = T::int(0);
@@ -304,7 +305,7 @@ impl<T: Float> Choice<T> {
         self.active = first(self.wanted);
     }
 
-    /// What the next step depends on.
+    /// Saves everything on which the next step depends.
     pub(crate) fn save(&self, memory: &mut SolverMemory<T>) {
         let counts = [self.active as u64, self.left, self.wait];
         memory.put("preconditioner", counts.map(|count| T::exact(count as f64)));
@@ -321,7 +322,7 @@ impl<T: Float> Choice<T> {
         memory.put("preconditioner made of", doubles.into_iter().map(T::exact));
     }
 
-    /// Takes over what was saved.
+    /// Restores the saved state.
     pub(crate) fn restore(
         &mut self,
         method: &Coefficients<T>,

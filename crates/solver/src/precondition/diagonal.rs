@@ -1,10 +1,10 @@
-//! Stiff springs along single components of H = T(p) + U(q), T with the masses 1/w: M = 1 + h² w κ (A A), A =
-//! K(0) B, for the positions on springs, and 1 for all others.
+//! Stiff harmonic modes along single components of H = T(p) + U(q), where T has the masses 1/w. M = 1 + h² w
+//! κ (A A), A = K(0) B, for the positions of these components, and M = 1 for the others.
 //!
-//! κ_c = ∂²U/∂q_c² where it has the sign of the mass, stands out of its row of ∇²U, and h² w κ is not small.
-//! What the iteration contracts by is then the rest of ∇²U, whatever hω.
+//! A component c is included if κ_c = ∂²U/∂q_c² has the sign of its mass and dominates its row of ∇²U. The
+//! contraction of the iteration then depends on the rest of ∇²U only, for any hω.
 //!
-//! Cost: s³ operations for each spring to make M⁻¹, s² for each right-hand side.
+//! Cost: s³ operations for each mode to compute M⁻¹, s² to apply it to a right-hand side.
 
 use equip_autodiff::Pattern;
 use equip_iterate::{Held, Iterate, Preconditioner};
@@ -13,7 +13,7 @@ use equip_scalar::Float;
 use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 
-/// A component on a spring.
+/// A stiff mode.
 #[derive(Debug)]
 struct Spring {
     c: usize,
@@ -22,7 +22,7 @@ struct Spring {
     inverse: DMatrix<f64>,
 }
 
-/// M of springs.
+/// M of the stiff modes.
 #[derive(Debug)]
 pub(crate) struct Diagonal {
     s: usize,
@@ -45,7 +45,7 @@ impl Diagonal {
         }
     }
 
-    /// Finds the springs of this ∇²H, whose entries are in the order of the pattern, and makes M for a step
+    /// Finds the stiff modes of ∇²H, whose entries are in the order of the pattern, and computes M for a step
     /// of size `h`. Returns whether there are any.
     pub(crate) fn find<T: Float>(
         &mut self,
@@ -59,14 +59,14 @@ impl Diagonal {
         self.make(made.collect())
     }
 
-    /// Component and h² w κ of each spring, one after the other.
+    /// The component and h² w κ of each mode, concatenated.
     pub(crate) fn memory(&self) -> impl Iterator<Item = f64> {
         self.springs
             .iter()
             .flat_map(|spring| [spring.c as f64, spring.angle_squared])
     }
 
-    /// M as it was when its memory was taken.
+    /// Restores M from its memory.
     pub(crate) fn restore(&mut self, memory: &[f64]) {
         let springs = memory.as_chunks::<2>().0.iter();
         self.make(springs.map(|&[c, angle]| (c as usize, angle)).collect());
@@ -96,7 +96,7 @@ impl Diagonal {
     }
 }
 
-/// κ_c, if it pulls back and stands out of its row.
+/// κ_c, if it is restoring and dominates its row.
 fn spring_constant<T: Float>(pattern: &Pattern, hessian: &[T], w: &[T], c: usize) -> Option<T> {
     let (mut kappa, mut rest) = (T::int(0), T::int(0));
     for (place, j) in pattern.row(c) {
@@ -112,7 +112,7 @@ fn spring_constant<T: Float>(pattern: &Pattern, hessian: &[T], w: &[T], c: usize
 impl<T: Float> Preconditioner<T> for Diagonal {
     fn apply(&mut self, held: Held, rows: &mut [T]) {
         let (s, stride) = (self.s, self.stride);
-        // The step made backwards has its stages in reverse; of −h the square is that of h.
+        // The reversed step has its stages in reverse order. M depends on h² only.
         let is_reversed = held == Held::End;
         let mut x = [T::int(0); equip_iterate::MAX_STAGES];
         let x = &mut x[..s];

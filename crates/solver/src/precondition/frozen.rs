@@ -1,13 +1,13 @@
-//! One ∇²H for all stages (simplified Newton): M = I − h (A ⊗ J H̄), A = K(0) B.
+//! Simplified Newton, with one ∇²H for all stages: M = I − h (A ⊗ J H̄), A = K(0) B.
 //!
-//! With the real Schur form A = R S L ([`crate::precondition::schur`]) the system falls apart into one for
-//! each eigenvalue of A, complex and of size 2m, or m where H is separable
-//! ([`crate::precondition::shifted_systems`]). The step made backwards has the same with −h.
+//! With the real Schur form A = R S L ([`crate::precondition::schur`]) the system decouples into one complex
+//! system for each eigenvalue of A, of size 2m, or m if H is separable
+//! ([`crate::precondition::shifted_systems`]). The reversed step has the same systems with −h.
 //!
-//! Everything is in doubles: M decides how fast the solution is found, not which. Why not in real arithmetic:
-//! docs/adr/0032.
+//! All arithmetic is in `f64`: M affects the convergence, not the solution. docs/adr/0032 explains why it is
+//! complex.
 //!
-//! Cost: ⌈s/2⌉ factorisations, a solve with each for every right-hand side.
+//! Cost: ⌈s/2⌉ factorisations, and a solve with each for every right-hand side.
 
 use crate::precondition::rows::Rows;
 use crate::precondition::schur::Schur;
@@ -19,15 +19,15 @@ use equip_scalar::Float;
 use equip_tableau::Coefficients;
 use nalgebra::{Complex, DMatrix};
 
-/// M of one ∇²H.
+/// M with one ∇²H.
 #[derive(Debug)]
 pub(crate) struct Frozen {
     rows: Rows,
     schur: Schur,
-    /// For the step from its start, and from its end; that is factorised at the first use.
+    /// The systems with the start held, and with the end held. The latter are factorised on first use.
     systems: [ShiftedSystems; 2],
     has_backward: bool,
-    /// Right-hand sides, solutions and G times the solutions, row by row of the Schur form.
+    /// Right-hand sides, solutions, and G times the solutions, row by row of the Schur form.
     rhs: Vec<f64>,
     solution: Vec<f64>,
     turned: Vec<f64>,
@@ -35,7 +35,7 @@ pub(crate) struct Frozen {
 }
 
 impl Frozen {
-    /// `None` if the tableau cannot be split.
+    /// `None` if the Schur form of the tableau does not exist.
     pub(crate) fn new<T: Float>(
         method: &Coefficients<T>,
         iterate: &Iterate<T>,
@@ -64,8 +64,8 @@ impl Frozen {
         })
     }
 
-    /// Factorises M of this ∇²H, entries in the order of its pattern, for a step of size `h` with components
-    /// of these sizes. Returns how many systems that were.
+    /// Factorises M for this ∇²H, with entries in the order of its pattern, a step of size `h`, and the sizes
+    /// `scale` of the components. Returns the number of systems.
     pub(crate) fn factor<T: Float>(
         &mut self,
         hessian: &[T],
@@ -91,7 +91,7 @@ impl Frozen {
         Ok(self.schur.blocks.len() as u64)
     }
 
-    /// The entries of h J H̄ and the units they are in: all of what [`factor`](Self::factor) was given.
+    /// The entries of h J H̄ and their units: everything that [`factor`](Self::factor) depends on.
     pub(crate) fn memory(&self) -> impl Iterator<Item = f64> {
         self.systems[0]
             .generator()
@@ -100,7 +100,7 @@ impl Frozen {
             .copied()
     }
 
-    /// M as it was when its memory was taken.
+    /// Restores M from its memory.
     pub(crate) fn restore(&mut self, memory: &[f64]) -> Result<(), Singular> {
         let len = memory.len() - self.rows.n;
         let (generator, units) = memory.split_at(len);
@@ -125,7 +125,7 @@ impl Frozen {
         std::mem::swap(&mut self.solution, &mut self.rhs);
     }
 
-    /// Solves for the rows of block j, those after it being known.
+    /// Solves for the rows of block j. The rows of later blocks are known.
     fn solve_block(&mut self, j: usize, which: usize) {
         let (n, s) = (self.rows.n, self.rows.s);
         let block = self.schur.blocks[j];
@@ -174,7 +174,7 @@ impl<T: Float> Preconditioner<T> for Frozen {
             && !std::mem::replace(&mut self.has_backward, true)
             && self.systems[1].factor(&self.schur.blocks).is_err()
         {
-            // The iteration goes on with M = 1, and tells by its contraction.
+            // The iteration continues with M = 1; its contraction shows whether that suffices.
             self.has_backward = false;
             return;
         }

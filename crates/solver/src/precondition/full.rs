@@ -1,12 +1,12 @@
-//! ∇²H at all stages (Newton): M = I − K(0)∘(B_1 … B_s), B_i = h b_i J∇²H(Y_i), or, where T is quadratic, of
-//! the positions alone
+//! Newton's method, with ∇²H at all stages: M = I − (K(0)_ij B_j), B_j = h b_j J∇²H(Y_j). If T is quadratic,
+//! the system for the positions alone is
 //!
 //! $$ M = I + h\,M_p^{-1} \big[ (K B K)_{ij}\, h b_j \nabla^2 U(Y_j) \big] . $$
 //!
-//! K is that of α = 0, which the α_k of a step are near. The step made backwards has Kᵀ in its place.
-//! Everything is in doubles: M decides how fast the solution is found, not which.
+//! K is that of α = 0, which is close to K(α) of a step. The reversed step has Kᵀ in its place. All
+//! arithmetic is in `f64`: M affects the convergence, not the solution.
 //!
-//! Cost: 2/3 (s u)³ operations to factorise for u unknown components, 2 (s u)² for each right-hand side.
+//! Cost: 2/3 (s u)³ operations to factorise with u unknown components, 2 (s u)² for each right-hand side.
 
 use crate::precondition::rows::Rows;
 use equip_autodiff::{Evaluator, Pattern, turned};
@@ -16,21 +16,21 @@ use equip_scalar::Float;
 use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 
-/// M of ∇²H at all stages.
+/// M with ∇²H at all stages.
 #[derive(Debug)]
 pub(crate) struct Full {
-    /// Of the unknown components.
+    /// The layout of the unknown components.
     rows: Rows,
     pattern: Pattern,
-    /// K(0), or K B K of positions alone, and the weights b_i.
+    /// K(0), or K B K for the positions alone, and the weights b_i.
     mixing: DMatrix<f64>,
     b: Vec<f64>,
     h: f64,
     /// ∇²H(Y_i) in the order of the pattern, stage by stage.
     hessians: Vec<f64>,
-    /// 1 over the masses where the positions alone are unknown.
+    /// The inverse masses if the positions alone are unknown.
     inverse_masses: Option<Vec<f64>>,
-    /// From the start of the step, and from its end.
+    /// The factorisations with the start held and with the end held.
     lus: [DenseLu<f64>; 2],
     is_factored: [bool; 2],
     x: DVector<f64>,
@@ -70,8 +70,8 @@ impl Full {
         }
     }
 
-    /// Takes ∇²H at the stages of a step of size `h` from `y`, and factorises M; from the end of the step it
-    /// is factorised when it is asked for.
+    /// Evaluates ∇²H at the stages of a step of size `h` from `y`, and factorises M with the start held. M
+    /// with the end held is factorised on first use.
     pub(crate) fn linearise<T: Float>(
         &mut self,
         iterate: &Iterate<T>,
@@ -86,7 +86,7 @@ impl Full {
         self.is_factored = [false; 2];
         for (i, to) in self.hessians.chunks_exact_mut(entries.len()).enumerate() {
             for (c, x) in state.iter_mut().enumerate() {
-                // Of T(p) + U(q), T quadratic, the momenta do not enter.
+                // For T(p) + U(q) with quadratic T, the momenta do not enter ∇²U.
                 *x = if c < self.rows.n {
                     iterate.points()[c * self.rows.stride + i]
                 } else {
@@ -101,12 +101,12 @@ impl Full {
         self.factor(Held::Start)
     }
 
-    /// Whether all of ∇²H is finite.
+    /// Whether ∇²H is finite at all stages.
     pub(crate) fn is_finite(&self) -> bool {
         self.hessians.iter().all(|x| x.is_finite())
     }
 
-    /// K or, where the end is held, the K of the step made backwards, with its stages and its −h.
+    /// Factorises M. If the end is held, K is that of the reversed step, with reversed stages and −h.
     fn factor(&mut self, held: Held) -> Result<(), Singular> {
         let (s, n, nnz) = (self.rows.s, self.rows.n, self.pattern.len());
         let units = &self.rows.units;
@@ -146,7 +146,7 @@ impl Full {
 impl<T: Float> Preconditioner<T> for Full {
     fn apply(&mut self, held: Held, rows: &mut [T]) {
         if !self.is_factored[held as usize] && self.factor(held).is_err() {
-            // The iteration goes on with M = 1, and tells by its contraction.
+            // The iteration continues with M = 1; its contraction shows whether that suffices.
             return;
         }
         if let Some(size) = self.rows.gather(held, rows, self.x.as_mut_slice()) {

@@ -1,4 +1,4 @@
-//! M of the one iteration Z ← Z + M⁻¹ (K(α) L(Z) − Z), but for M = 1.
+//! The preconditioners M ≠ 1 of the iteration Z ← Z + M⁻¹ (K(α) L(Z) − Z).
 
 pub(crate) mod choice;
 pub(crate) mod diagonal;

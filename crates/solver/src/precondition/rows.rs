@@ -1,23 +1,25 @@
-//! Right-hand sides as preconditioners solve for them: stage by stage, in doubles and in units of the state.
+//! Right-hand sides in the layout of the preconditioners: stage by stage, in `f64`, scaled by the sizes of
+//! the components.
 
 use equip_iterate::Held;
 use equip_scalar::Float;
 
-/// How the stages of the unknown components lie, and the units they are measured in.
+/// The layout of the stages, and the units of the components.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows {
     pub(crate) s: usize,
     pub(crate) stride: usize,
-    /// Components n = 2m of the state.
+    /// The number of components for which the preconditioner solves.
     pub(crate) n: usize,
-    /// Size of each component.
+    /// The size of each component.
     pub(crate) units: Vec<f64>,
 }
 
 impl Rows {
-    /// Component c of stage i at `i·n + c` in units of the state, divided by the largest, which is returned;
-    /// zero where a component is not unknown. Where the end is held the stages stand in reverse order: −Kᵀ is
-    /// K of the step made backwards. `None` leaves nothing to solve.
+    /// Writes component c of stage i, in its unit, to `out` at `i·n + c`, divided by the largest entry.
+    /// Components that are not unknowns are zero. If the end is held, the stages are in reverse order, since
+    /// −Kᵀ is K of the reversed step. Returns the largest entry; `None` if all entries are zero or one is not
+    /// finite.
     pub(crate) fn gather<T: Float>(&self, held: Held, rows: &[T], out: &mut [f64]) -> Option<T> {
         let unknown = rows.len() / self.stride;
         let mut size = T::int(0);
@@ -40,7 +42,7 @@ impl Rows {
         Some(size)
     }
 
-    /// What [`gather`](Self::gather) has taken, put back.
+    /// Writes the entries back, in the order of [`gather`](Self::gather).
     pub(crate) fn scatter<T: Float>(&self, held: Held, from: &[f64], size: T, rows: &mut [T]) {
         let unknown = rows.len() / self.stride;
         for c in 0..unknown {

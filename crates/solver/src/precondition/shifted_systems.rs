@@ -1,5 +1,5 @@
-//! The systems (I − λ_j G) v = r for the ⌈s/2⌉ eigenvalues λ_j of the tableau, G = h J H̄ with one Hessian
-//! H̄.
+//! The systems (I − λ_j G) v = r for the ⌈s/2⌉ eigenvalues λ_j of the tableau, where G = h J H̄ with one
+//! Hessian H̄.
 //!
 //! If H is separable, G = (0 G_qp; G_pq 0) and the momenta are eliminated: with v = (q, p), r = (a, b)
 //!
@@ -7,9 +7,9 @@
 //!
 //! where −λ² G_qp G_pq = h²λ² T''U''. The size d of a system is n, or m = n/2 for separable H.
 //!
-//! Sparse where its terms are at most d²/8, dense otherwise. Cost for each eigenvalue: 8/3 d³
-//! real operations to factorise and 8 d² to solve if dense; for chains proportional to d if sparse. f64
-//! throughout: it is a preconditioner.
+//! A system is sparse if it has at most d²/8 terms, dense otherwise. Cost for each eigenvalue: if dense, 8/3
+//! d³ real operations to factorise and 8 d² to solve; if sparse, proportional to d for chains. All arithmetic
+//! is in `f64`, as for every preconditioner.
 
 use crate::policy::SPARSE_SHARE;
 use crate::precondition::schur::Block;
@@ -19,25 +19,25 @@ use equip_linear::{SparseLu, Symbolic};
 use nalgebra::{Complex, DVector};
 use std::ops::{AddAssign, Mul};
 
-/// Half of G.
+/// One half of the rows of G.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Half {
-    /// Rows of q.
+    /// The rows of q.
     Q,
-    /// Rows of p.
+    /// The rows of p.
     P,
 }
 
 #[derive(Debug)]
 pub(crate) struct ShiftedSystems {
-    /// Of the Hessian.
+    /// The pattern of the Hessian.
     pattern: Pattern,
-    /// Entries of G = h J H̄ in the order of the pattern of H̄; row i of H̄ stands in row `turned(i)`.
+    /// The entries of G = h J H̄ in the order of the pattern of H̄. Row i of H̄ is row `turned(i)` of G.
     g: Vec<f64>,
     /// Whether the momenta are eliminated.
     reduced: bool,
     factors: Factors,
-    /// A vector of complex length d for the dense solve.
+    /// Workspace of length d for the dense solve.
     column: DVector<Complex<f64>>,
     work: Vec<Complex<f64>>,
 }
@@ -89,7 +89,7 @@ impl ShiftedSystems {
         }
     }
 
-    /// Entries of G to be filled before [`factor`](Self::factor).
+    /// The entries of G, to be set before [`factor`](Self::factor).
     pub(crate) fn generator_mut(&mut self) -> (&Pattern, &mut [f64]) {
         (&self.pattern, &mut self.g)
     }
@@ -176,7 +176,7 @@ impl ShiftedSystems {
         }
     }
 
-    /// out = G x with one half of G.
+    /// out = G x, for one half of the rows of G.
     fn product(&self, half: Half, x: &[Complex<f64>], out: &mut [Complex<f64>]) {
         out.fill(Complex::new(0.0, 0.0));
         self.add_product(half, x, out);
@@ -211,7 +211,7 @@ impl Kind {
     }
 }
 
-/// All contributions to I − λG or I − λ² G_qp G_pq but the 1 of the diagonal.
+/// All contributions to I − λG or I − λ² G_qp G_pq except the 1 of the diagonal.
 fn terms(pattern: &Pattern, reduced: bool, mut each: impl FnMut(Term)) {
     let n = pattern.dimension();
     let m = n / 2;
@@ -236,7 +236,7 @@ fn terms(pattern: &Pattern, reduced: bool, mut each: impl FnMut(Term)) {
     }
 }
 
-/// The sparse form, if it is worth it and there is memory for it.
+/// The sparse form, if there are few terms and enough memory.
 fn sparse(pattern: &Pattern, reduced: bool, systems: usize) -> Option<Factors> {
     let n = pattern.dimension();
     let d = if reduced { n / 2 } else { n };

@@ -1,4 +1,4 @@
-//! The linearised stages have one solution, whichever M it is found with.
+//! The solution of the linearised stage equations does not depend on M.
 
 use crate::options::step_options::Preconditioner as Wanted;
 use crate::outcome::outcome::Counts;
@@ -10,7 +10,7 @@ use equip_scalar::DoubleDouble;
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
-/// A stiff spring beside a soft one, along single components, and momenta that are put in.
+/// A stiff and a soft mode along single components; the momenta are eliminated.
 fn separable() -> Hamiltonian {
     let energy = Hamiltonian::new(2, |q, p| {
         let soft = 0.5 * q[0] * q[0] + 0.1 * q[0].powi(4);
@@ -28,7 +28,7 @@ fn coupled() -> Hamiltonian {
     energy.unwrap()
 }
 
-/// The linearised stages with each M, and with none, from both ends.
+/// Solves the linearised stage equations with each M and without, with either end held.
 fn one_solution<T: Float>(energy: &Hamiltonian, tolerance: f64, most: f64) {
     let pattern = &energy.structure().hessian;
     let mut evaluator = energy.evaluator::<T>();

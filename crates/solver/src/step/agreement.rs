@@ -1,4 +1,5 @@
-//! The solver beside the equations: one step from the same state, whichever preconditioner finds it.
+//! Comparison of the solver with the reference solution: one step from the same state, with each
+//! preconditioner.
 
 use crate::equations::constraint::Constraint;
 use crate::equations::oracle::Oracle;
@@ -19,8 +20,9 @@ const ALL: [Preconditioner; 5] = [
     Preconditioner::Full,
 ];
 
-/// One step from `y` by each preconditioner and by the equations: the same outcome, and the same end to
-/// `most` ε of the largest component and, of the displacement, the share that D may have as error.
+/// One step from `y` with each preconditioner and by the reference. The outcomes must agree. The end points
+/// must agree to `most` ε of the largest component, plus the share of the displacement that the tolerance of
+/// D permits.
 fn compare<T: Float>(
     name: &str,
     h: &Hamiltonian,
@@ -88,7 +90,7 @@ fn compare<T: Float>(
             );
         }
         for (&found, &wanted) in core.alphas().iter().zip(&expected.alphas) {
-            // An α is known as well as the end point over what it does to that.
+            // An α_k is determined by its effect on the end point, to the accuracy of the end point.
             assert!(
                 (found - wanted).abs() <= T::ratio(1, 100) * wanted.abs().max(T::EPSILON.sqrt()),
                 "{name}: {found}, {wanted}"
@@ -98,7 +100,7 @@ fn compare<T: Float>(
     expected.outcome
 }
 
-/// Name, energy, start, and stages with the size of the step.
+/// Name, energy, initial state, and stages with step sizes.
 type Case = (&'static str, Hamiltonian, Vec<f64>, Vec<(usize, f64)>);
 
 fn systems() -> Vec<Case> {
@@ -186,9 +188,9 @@ fn systems() -> Vec<Case> {
     ]
 }
 
-/// Measured: at most 40 ε, of solved steps 2e3 ε where the displacement is of 1e-4 (differences of ∇H), and
-/// the error of D; headroom 5. Steps back in time solve the same equations with h < 0: from mirrored
-/// momenta, which is the same motion of those that are even in p.
+/// Measured: at most 40 ε, and for corrected steps 2e3 ε if the displacement is 1e-4 (differences of ∇H), in
+/// addition to the error of D; the bound is 5 times that. Steps backward in time solve the same equations
+/// with h < 0. They start with reversed momenta, which gives the same motion if H is even in p.
 #[test]
 fn every_preconditioner_solves_the_equations() {
     for sign in [1.0, -1.0] {
@@ -210,7 +212,7 @@ fn every_preconditioner_solves_the_equations() {
     }
 }
 
-/// In double-double the same equations, to digits that f64 has not.
+/// The same equations in double-double, beyond the precision of `f64`.
 #[test]
 fn the_same_in_double_double() {
     for (name, h, y, settings) in systems() {

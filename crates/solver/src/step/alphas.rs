@@ -1,12 +1,12 @@
-//! System (7) from the solution with α = 0 on: Z and t are iterated together,
+//! The solution of system (7), given the solution with α = 0. Z and t are iterated together:
 //!
 //! $$ Z = K(\alpha) L(Z), \qquad \alpha = D\,t, \qquad I(y_1) = I_{ref} . $$
 //!
 //! 1. D is computed once, at α = 0 ([`crate::alpha::direction`]).
-//! 2. t is updated by Newton's method with the derivative that D brings along, then by the secant method; Z
-//!    follows by ∂Z/∂t. The iteration for Z continues with K(α) until its noise no longer shows in I(y1),
-//!    and t is updated again.
-//! 3. At the round-off level of I the iteration for Z ends as that of Gauss does.
+//! 2. t is updated by Newton's method with the derivative along D, then by the secant method. Z is updated by
+//!    ∂Z/∂t. The iteration for Z continues with K(α) until its noise is negligible in I(y1), and t is updated
+//!    again.
+//! 3. Once I is at its round-off level, the iteration for Z continues until it has converged, as for Gauss.
 //!
 //! If no α is admissible ([`crate::alpha::admissible`]), or the step does not resolve its fastest oscillation
 //! (hω > s), the step with α = 0 is accepted. It is *uncorrected*: its energy error is left to a later step.
@@ -22,7 +22,7 @@ use equip_iterate::{MOST_ITERATIONS, State};
 use equip_scalar::Float;
 
 impl<T: Float> Core<T> {
-    /// Solves for α, or restores the stages with α = 0. `next` is y1, before and after; the stages have
+    /// Solves for α, or restores the stages with α = 0. On entry and on return `next` is y1. The stages have
     /// converged if `is_converged`.
     pub(crate) fn solve_alphas(
         &mut self,
@@ -60,7 +60,7 @@ impl<T: Float> Core<T> {
             noise = self.stages.contraction.noise();
         }
         self.evaluate_constraints(next, noise)?;
-        // A remainder of a few round-off levels that α does not reduce is rounding.
+        // A residual of a few round-off levels that α does not reduce is rounding.
         if self.in_late_levels() <= T::int(STALLED) {
             return Ok(Outcome::AtRoundOff);
         }
@@ -70,7 +70,7 @@ impl<T: Float> Core<T> {
         Ok(reason)
     }
 
-    /// The joint iteration. An error is the reason why there is no admissible α.
+    /// The joint iteration. An error states why there is no admissible α.
     fn update_alphas(
         &mut self,
         solver: &mut AlphaSolver<T>,
@@ -82,7 +82,7 @@ impl<T: Float> Core<T> {
         self.compute_direction(solver, bounds)?;
         let (mut last, mut stalls) = (T::INFINITY, 0);
         for _ in 0..=MOST_ITERATIONS {
-            // What the constraints are is told from the noise of Z before t is updated by it.
+            // The residuals must exceed the noise of Z before they are used to update t.
             let noise = self.stages.contraction.noise();
             let is_noisy = !is_converged && noise > 10.0 * self.noise_allowed(SHARE);
             let level = self.in_late_levels();
@@ -95,12 +95,13 @@ impl<T: Float> Core<T> {
                 noise = self.noise_allowed(SHARE);
             }
             if !is_done {
-                // Moves that only reach the noise of Z: more of them where there are more digits than 31.
+                // Too many updates have not halved the residual. The limit is larger beyond 31 digits.
                 if stalls > MOST_STALLS.max(T::MANTISSA_BITS / 26) {
                     break;
                 }
-                // Below so many round-off levels the error left by one update is round-off. Above, an update
-                // leaves one over so many of the error, of which the noise is to be so small a share again.
+                // Up to this many round-off levels, the residual after one update is round-off. Above, an
+                // update reduces the residual to this share, and the noise must be as small a share of the
+                // reduced residual.
                 if level > T::int(SHARE) {
                     noise = self.noise_allowed(SHARE * SHARE);
                 }
@@ -121,7 +122,7 @@ impl<T: Float> Core<T> {
         Err(Outcome::NoEffect)
     }
 
-    /// Iterates Z with the α as they are until it has converged, or until its noise at y1 is at most `noise`.
+    /// Iterates Z with the present α until it has converged, or until its noise at y1 is at most `noise`.
     /// Returns whether it has converged.
     pub(crate) fn converge(
         &mut self,
@@ -135,7 +136,7 @@ impl<T: Float> Core<T> {
         Ok(converged)
     }
 
-    /// The noise of y1 that is one over `share` of every constraint.
+    /// The noise of y1 that changes every constraint by at most 1/`share` of its residual.
     pub(crate) fn noise_allowed(&self, share: i64) -> f64 {
         let sizes = self.stages.iterate.scale();
         let allowed = self.constraints.iter().map(|c| c.noise_equivalent(sizes));
@@ -160,7 +161,7 @@ impl<T: Float> Core<T> {
         Bounds::new(needed, own, solver.handed_on, is_free)
     }
 
-    /// Linearises the stage equations. An error if no admissible α can satisfy the constraints.
+    /// Linearises the stage equations. An error states why no admissible α can satisfy the constraints.
     fn linearise(
         &mut self,
         solver: &mut AlphaSolver<T>,
@@ -188,7 +189,8 @@ impl<T: Float> Core<T> {
         }
     }
 
-    /// Whether this `change` of y1 is admissible. The local error is estimated if it decides, once in a step.
+    /// Whether this `change` of y1 is admissible. The local error is estimated if it is needed, once in a
+    /// step.
     fn is_admissible(
         &mut self,
         solver: &mut AlphaSolver<T>,
@@ -213,8 +215,9 @@ impl<T: Float> Core<T> {
         bounds.holds(change)
     }
 
-    /// D, to the digits that show in y1, or to the change of y1 that is needed: D turns by about as much with
-    /// it, so that steps are symmetric to second order either way.
+    /// Computes D. Its tolerance is the accuracy that is visible in y1, or the required change of y1 if that
+    /// is larger: D changes by about as much along this change, so the step is symmetric to second order in
+    /// both cases.
     fn compute_direction(
         &mut self,
         solver: &mut AlphaSolver<T>,
@@ -231,7 +234,7 @@ impl<T: Float> Core<T> {
         is_computed.then_some(()).ok_or(Outcome::NoEffect)
     }
 
-    /// Updates t, and lets Z follow.
+    /// Updates t, and Z accordingly.
     fn update_once(&mut self, solver: &mut AlphaSolver<T>, y: &State<T>) -> Result<(), Outcome> {
         if !solver.direction.update(&self.constraints, &mut self.alphas) {
             return Err(Outcome::NoEffect);
@@ -254,7 +257,7 @@ impl<T: Float> Core<T> {
         residuals.fold(T::int(0), |most, level| most.max(level))
     }
 
-    /// Evaluates the constraints at y1, which the iteration for the stages has left with this `noise`.
+    /// Evaluates the constraints at y1. The iteration for the stages has left `noise` in y1.
     pub(crate) fn evaluate_constraints(
         &mut self,
         next: &State<T>,
@@ -271,7 +274,7 @@ impl<T: Float> Core<T> {
         Ok(())
     }
 
-    /// Whether y1 is within bounds of that with α = 0, but for rounding.
+    /// Whether the change of y1 from its value with α = 0 is admissible, apart from rounding.
     fn check_displacement(
         &mut self,
         solver: &mut AlphaSolver<T>,

@@ -1,15 +1,14 @@
-//! Whether a step follows the motion, told from its energy (docs/adr/0020).
+//! Whether a step follows the motion, judged by its change of energy (docs/adr/0020).
 //!
-//! Where a step is too long, its stage equations have solutions that have nothing to do with the motion:
-//! beside a singularity one body comes out behind another. They are found with any preconditioner, with one
-//! that contracts from afar more often. What H changes by is compared with the energy that is exchanged
-//! between positions and momenta,
+//! If a step is too long, its stage equations have solutions that do not approximate the motion: near a
+//! singularity, one body emerges behind another. Every preconditioner may find them, those that contract from
+//! far away more often. The change of H is compared with the energy exchanged between positions and momenta,
 //!
 //! $$ W = \sum_i h b_i \sum_c |\dot q_c\, \dot p_c| \quad \text{at the stages } Y_i . $$
 //!
-//! If the derivative of the motion has Legendre coefficients that decay by 1/2 each, H changes by about 4⁻ˢ W
-//! in a step of s stages. A step over which it changes by more than 2⁻ˢ⁻¹ W is halved. Where it cannot be
-//! halved any further it is accepted up to W: the force may jump there.
+//! If the Legendre coefficients of the derivative of the motion decay by a factor of 1/2 each, H changes by
+//! about 4⁻ˢ W in a step of s stages. A step is halved if H changes by more than 2⁻ˢ⁻¹ W. If it cannot be
+//! halved further, it is accepted for a change of up to W, since the force may be discontinuous in the step.
 
 use crate::outcome::failure::Failure;
 use crate::policy::STALLED;
@@ -18,7 +17,7 @@ use equip_iterate::State;
 use equip_scalar::Float;
 
 impl<T: Float> Core<T> {
-    /// Checks the step of size `h` from `y` to `next` by a method that does not solve for H.
+    /// Checks the step of size `h` from `y` to `next` of a method that does not solve for H.
     pub(crate) fn check_energy(
         &mut self,
         (y, h): (&State<T>, T),
@@ -46,7 +45,7 @@ impl<T: Float> Core<T> {
         checked
     }
 
-    /// Checks the step of size `h` with α = 0, of which the constraints have been evaluated.
+    /// Checks the step of size `h` with α = 0, whose constraints have been evaluated.
     pub(crate) fn check_residual(&self, h: T) -> Result<(), Failure<T>> {
         let Some(energy) = self.energy_constraint() else {
             return Ok(());

@@ -1,4 +1,4 @@
-//! What is compiled once, with this crate: the step and its tangent map, in `f64` and double-double
+//! The functions compiled once with this crate for `f64` and double-double: the step and its tangent map
 //! ([`equip_scalar::ready!`]).
 
 use crate::outcome::failure::Failure;
@@ -9,7 +9,7 @@ use crate::step_tangent::StepTangent;
 use equip_iterate::State;
 use equip_scalar::Float;
 
-/// The functions, each as it is called.
+/// The functions by name.
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 struct Ready<T: Float> {
@@ -31,26 +31,26 @@ impl<T: Float> Ready<T> {
 equip_scalar::ready!(Ready);
 
 impl<T: Float> StepTangent<T> {
-    /// Takes the linearised stage equations of `part`. Costs s Hessians.
+    /// Linearises the stage equations of `part`. Costs s Hessians.
     pub fn linearise(&mut self, part: &Part<T>) {
         (ready::<T>().linearise)(self, part);
     }
 
-    /// Propagates `deviation`, n components, over the part that has been linearised.
+    /// Propagates the tangent vector `deviation`, n components, over the linearised part.
     ///
     /// # Errors
-    /// [`Failure::NotFinite`] or [`Failure::Singular`] if the linearised stages cannot be solved for.
+    /// [`Failure::NotFinite`] or [`Failure::Singular`] if the linearised stage equations cannot be solved.
     pub fn propagate(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
         (ready::<T>().propagate)(self, deviation)
     }
 }
 
 impl<T: Float> Core<T> {
-    /// One step of size `h` from `y` at time `t` into `next`. `y` is not changed, whatever happens.
+    /// One step of size `h` from `y` at time `t` to `next`. `y` does not change, even on failure.
     ///
     /// # Errors
-    /// [`Failure`] when the stages do not converge, however often the step is halved, and when an energy
-    /// error would be left that is refused.
+    /// [`Failure`] if the stages do not converge although the step was halved, or if an uncorrected step is
+    /// rejected.
     pub fn step(
         &mut self,
         y: &State<T>,
@@ -61,11 +61,11 @@ impl<T: Float> Core<T> {
         (ready::<T>().step)(self, (y, t, h), next)
     }
 
-    /// Finds the α_k of the step of size `h` from `y` at time `t` to `next` that was made last, with α_k
-    /// [deferred](Self::defer_alphas): the two together are the step as it is without, to rounding.
+    /// Computes the α_k of the last step, of size `h` from `y` at time `t` to `next`, if they were
+    /// [deferred](Self::defer_alphas). Up to rounding, the two calls together are one step without deferral.
     ///
     /// # Errors
-    /// [`Failure`] as of [`step`](Self::step).
+    /// [`Failure`] as for [`step`](Self::step).
     pub fn complete(
         &mut self,
         y: &State<T>,

@@ -1,4 +1,4 @@
-//! What a step works with, made once for all steps of a run.
+//! The data of the steps of a run.
 
 use crate::alpha::direction::Direction;
 use crate::alpha::local_error::LocalError;
@@ -12,60 +12,60 @@ use equip_iterate::{Kept, State};
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
-/// Everything a step works with; no allocation after it is made.
+/// The data of the steps of a run. Steps do not allocate.
 #[derive(Debug)]
 pub struct Core<T: Float> {
     pub(crate) energy: Evaluator<T>,
     pub(crate) options: StepOptions<T>,
     pub(crate) counts: Counts,
-    /// What the α_k are solved for: the energy first, if it needs any, then further invariants; empty if
-    /// there is nothing.
+    /// The constraints for which the α_k are solved: the energy first, unless H is at most quadratic, then
+    /// further invariants. May be empty.
     pub(crate) constraints: Vec<Constraint<T>>,
-    /// The stages Z, and what finds them.
+    /// The stages Z and their iteration.
     pub(crate) stages: Stages<T>,
-    /// α_k, and those that a step starts from: zero, or the fixed ones.
+    /// The α_k of the step, and their initial values: zero, or the fixed ones.
     pub(crate) alphas: Vec<T>,
     pub(crate) start_alphas: Vec<T>,
-    /// What they are solved with, if any are free.
+    /// The solver for the α_k, if any are free.
     pub(crate) alpha_solver: Option<Box<AlphaSolver<T>>>,
-    /// Where ∇I at the start of a step was evaluated, or H, of a method that does not solve for it.
+    /// The state at which ∇I of the constraints is known, or H if the method does not solve for H.
     pub(crate) start: Vec<T>,
     pub(crate) start_energy: T,
-    /// Room for ∇H.
+    /// Workspace for ∇H.
     pub(crate) gradient: Vec<T>,
-    /// Whether the α_k of a step wait until it is [completed](Self::complete).
+    /// Whether the α_k are computed only when the step is [completed](Self::complete).
     pub(crate) is_deferred: bool,
-    /// The noise of y1 that is not seen in the constraints, as the last step had it: the stages with α = 0
-    /// need not be solved further where α follows.
+    /// The noise of y1 that was negligible in the constraints of the last step. The iteration with α = 0 may
+    /// stop at this noise if α is solved for afterwards.
     pub(crate) noise_expected: f64,
-    /// Outcome of a step without constraints.
+    /// The outcome of a step without constraints.
     pub(crate) unconstrained: Outcome,
-    /// Whether the step that is attempted may be halved.
+    /// Whether the present attempt may be halved.
     pub(crate) may_be_halved: bool,
-    /// Mid points of halved steps, one for each level.
+    /// The midpoints of halved steps, one for each level.
     pub(crate) middles: Vec<State<T>>,
-    /// What dense output needs of the parts of a step.
+    /// The parts of a step, for dense output.
     pub(crate) parts: Parts<T>,
-    /// State, time and size of the part that failed last.
+    /// The state, time and size of the part that failed last.
     pub(crate) failed: (Vec<T>, T, T),
 }
 
-/// What the α_k are solved with, if any are free.
+/// The solver for the α_k.
 #[derive(Debug)]
 pub(crate) struct AlphaSolver<T: Float> {
-    /// Which way the α_k move.
+    /// The search direction.
     pub(crate) direction: Direction<T>,
-    /// `None` if no method has two stages more.
+    /// `None` if no method has two more stages.
     pub(crate) local_error: Option<LocalError<T>>,
-    /// The stages and the end point with the α_k that a step starts from.
+    /// The stages and the end point with the initial α_k.
     pub(crate) kept: Kept<T>,
     pub(crate) unperturbed: State<T>,
-    /// The bound on the change of y1 that earlier steps hand on.
+    /// The bound on the change of y1 handed on by earlier steps.
     pub(crate) handed_on: [T; 2],
 }
 
 impl<T: Float> AlphaSolver<T> {
-    /// For α_`first` and those after it, from 1, and these constraints.
+    /// For the parameters from α_`first` on, counted from 1, and these constraints.
     pub(crate) fn new(
         stages: &Stages<T>,
         structure: &Structure,
@@ -84,7 +84,7 @@ impl<T: Float> AlphaSolver<T> {
 }
 
 impl<T: Float> Core<T> {
-    /// `constraints` holds what the α_k are to be solved for.
+    /// `constraints` are those for which the α_k are solved.
     pub fn new(
         system: &Hamiltonian,
         mut energy: Evaluator<T>,
@@ -133,12 +133,12 @@ impl<T: Float> Core<T> {
         }
     }
 
-    /// The energy, if α_k are solved for it.
+    /// The energy constraint, if there is one.
     pub(crate) fn energy_constraint(&self) -> Option<&Constraint<T>> {
         self.constraints.first().filter(|c| c.is_energy())
     }
 
-    /// Forgets how the last step was made, which the next is not to be guessed from.
+    /// Forgets the last step, so that it gives no initial guess.
     pub(crate) fn forget_step(&mut self) {
         self.noise_expected = 0.0;
         if let Some(solver) = &mut self.alpha_solver {
@@ -148,7 +148,7 @@ impl<T: Float> Core<T> {
         self.start.fill(T::NAN);
     }
 
-    /// Forgets all steps, so that the next depends on the state alone.
+    /// Forgets all steps, so that the next step depends on the state alone.
     pub fn forget(&mut self) {
         self.forget_step();
         self.constraints.iter_mut().for_each(|c| c.late = T::int(0));

@@ -1,4 +1,4 @@
-//! The stages of a method: Z ← Z + M⁻¹ (K(α) L(Z) − Z) from a guess until Z is at rest.
+//! The stages of a method: Z ← Z + M⁻¹ (K(α) L(Z) − Z) from an initial guess to convergence.
 
 use crate::options::step_options::Preconditioner;
 use crate::outcome::failure::Failure;
@@ -9,7 +9,7 @@ use equip_iterate::{Contraction, Iterate, MOST_ITERATIONS, Polynomial, Progress,
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
 
-/// The stages, and what finds them.
+/// The stages and their iteration.
 #[derive(Debug)]
 pub(crate) struct Stages<T: Float> {
     pub(crate) method: Coefficients<T>,
@@ -17,13 +17,13 @@ pub(crate) struct Stages<T: Float> {
     pub(crate) contraction: Contraction,
     pub(crate) choice: Choice<T>,
     polynomial: Polynomial<T>,
-    /// Where the next step starts in the last (0 or 1), and the size of that, if the next is guessed from its
-    /// polynomial.
+    /// Where the next step starts in the last one (0 or 1), and the size of the last step, if its polynomial
+    /// gives the initial guess.
     pub(crate) last: Option<(T, T)>,
 }
 
 impl<T: Float> Stages<T> {
-    /// With the α_k that a step starts from.
+    /// With the initial α_k of every step.
     pub(crate) fn new(
         method: Coefficients<T>,
         structure: &Structure,
@@ -50,11 +50,11 @@ impl<T: Float> Stages<T> {
         self.contraction = Contraction::new(self.iterate.is_twofold(), T::EPSILON.to_f64());
     }
 
-    /// Z of a step of size `h` from `y`, from the polynomial of the last step, or, of M ≠ 1, from Z = 0;
-    /// `known` is ∇H at `y`. Ends as [`converge`](Self::converge) does.
+    /// Solves for Z of a step of size `h` from `y`. The initial guess is the polynomial of the last step, or
+    /// Z = 0 if M ≠ 1. `known` is ∇H at `y`. Ends as [`converge`](Self::converge) does.
     ///
-    /// From the polynomial M ≠ 1 takes as many iterations in the mean over the grid (1.01 of Gauss, 1.04 of
-    /// EQUIP), and up to 3 times as many where the step does not resolve the motion.
+    /// With M ≠ 1 the polynomial would save no iterations: it takes 1.01 (Gauss) and 1.04 (EQUIP) times as
+    /// many in the mean over the grid, and up to 3 times as many if the step does not resolve the motion.
     pub(crate) fn solve(
         &mut self,
         energy: &mut Evaluator<T>,
@@ -81,8 +81,8 @@ impl<T: Float> Stages<T> {
         }
     }
 
-    /// Iterates with the α as they are, from Z as it is, until Z has converged to round-off or its noise at
-    /// y1 is at most `noise`. Returns whether it has converged.
+    /// Iterates with the present α from the present Z until Z has converged to round-off, or until its noise
+    /// at y1 is at most `noise`. Returns whether it has converged.
     pub(crate) fn converge(
         &mut self,
         energy: &mut Evaluator<T>,

@@ -1,7 +1,7 @@
-//! One step, as the paper reads: initial guess → stages → α → accept → update.
+//! One step, as in the paper: initial guess → stages → α → accept → update.
 //!
 //! The equations are those of [`crate::equations::oracle`]: Z = K(α) L(Z), α = D t, H(y0 + Σ L_i) = H_ref.
-//! How their solution is found is no part of what it is.
+//! The path to their solution does not affect the solution.
 
 use crate::equations::constraint::Constraint;
 use crate::outcome::failure::Failure;
@@ -12,8 +12,8 @@ use equip_iterate::State;
 use equip_scalar::Float;
 
 impl<T: Float> Core<T> {
-    /// One step of size `h` from `y` at time `t` into `next`, which [`step`](Self::step) has made. `y` is not
-    /// changed, whatever happens.
+    /// One step of size `h` from `y` at time `t` to `next`, called by [`step`](Self::step). `y` does not
+    /// change, even on failure.
     pub(crate) fn make(
         &mut self,
         (y, t, h): (&State<T>, T, T),
@@ -33,7 +33,7 @@ impl<T: Float> Core<T> {
         made
     }
 
-    /// The α_k of the step just made, if they were [deferred](Self::defer_alphas).
+    /// Computes the α_k of the last step, if they were [deferred](Self::defer_alphas).
     pub(crate) fn make_complete(
         &mut self,
         (y, t, h): (&State<T>, T, T),
@@ -87,7 +87,7 @@ impl<T: Float> Core<T> {
         }
     }
 
-    /// Initial guess, stages, α.
+    /// One attempt: initial guess, stages, α.
     fn attempt(
         &mut self,
         (y, h): (&State<T>, T),
@@ -102,7 +102,7 @@ impl<T: Float> Core<T> {
         }
         self.alphas.copy_from_slice(&self.start_alphas);
         let energy = self.constraints.first().filter(|c| c.is_energy());
-        // It is w of y' = Jw in a canonical system only.
+        // ∇H is the vector w of y' = Jw in a canonical system only.
         let energy = energy.filter(|_| self.energy.is_canonical());
         let known = energy.map(|c| c.start_gradient.as_slice());
         let is_last = self.constraints.is_empty() || self.is_deferred;
@@ -117,7 +117,8 @@ impl<T: Float> Core<T> {
         self.keep((y, h), next, is_converged)
     }
 
-    /// Constraints at the end point `next` of the stages with α = 0, and α if a constraint needs it.
+    /// Evaluates the constraints at the end point `next` of the stages with α = 0, and solves for α if
+    /// necessary.
     fn keep(
         &mut self,
         (y, h): (&State<T>, T),
@@ -141,7 +142,7 @@ impl<T: Float> Core<T> {
         self.solve_alphas((y, h), next, is_converged)
     }
 
-    /// The end point `next` is accepted, and the constraints have been evaluated there, unless that waits.
+    /// Accepts the end point `next`, where the constraints have been evaluated unless they are deferred.
     fn accept(&mut self, next: &State<T>, h: T) {
         self.stages.last = Some((T::int(1), h));
         if !self.constraints.is_empty() && !self.is_deferred {
@@ -150,7 +151,7 @@ impl<T: Float> Core<T> {
         }
     }
 
-    /// Two steps of half the size.
+    /// Splits a step into two of half the size.
     fn halve(
         &mut self,
         level: usize,

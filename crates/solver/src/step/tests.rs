@@ -1,4 +1,4 @@
-//! What a step does beside solving its equations.
+//! Properties of a step other than the solution of its equations.
 
 use crate::equations::constraint::Constraint;
 use crate::options::family::{Alphas, Family};
@@ -37,7 +37,8 @@ fn core(
     core
 }
 
-/// Energy errors of a few round-off levels that no α reduces are rounding, whether or not others are refused.
+/// Energy errors of a few round-off levels that no α reduces are rounding, whether or not uncorrected steps
+/// are rejected.
 #[test]
 fn rounding_is_not_refused() {
     let h = far_kepler();
@@ -62,7 +63,7 @@ fn rounding_is_not_refused() {
     assert_eq!(outcomes[0], outcomes[1]);
 }
 
-/// A step that fails leaves the recent round-off levels as they were.
+/// A step that fails does not change the recent round-off levels.
 #[test]
 fn a_step_that_fails_forgets_no_floor() {
     let h = far_kepler();
@@ -77,7 +78,7 @@ fn a_step_that_fails_forgets_no_floor() {
     assert_eq!(core.constraints[0].late, late);
 }
 
-/// Neither do parts of it that were accepted.
+/// Neither do its parts that were accepted.
 #[test]
 fn a_step_that_fails_in_its_second_half_leaves_the_floors() {
     let h = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + (1.0 - q[0]).sqrt()).unwrap();
@@ -92,8 +93,7 @@ fn a_step_that_fails_in_its_second_half_leaves_the_floors() {
     assert_eq!(core.constraints[0].late, late);
 }
 
-/// The derivative at the start of a step that its stages are guessed from is that of the energy, whatever is
-/// conserved.
+/// The initial guess of the stages uses the derivative by the energy, whatever is conserved.
 #[test]
 fn the_gradient_of_an_invariant_is_none_of_the_energy() {
     let h = Hamiltonian::new(2, |q, p| {

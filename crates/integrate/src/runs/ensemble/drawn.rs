@@ -1,15 +1,16 @@
-//! Starts drawn around one: each from the seed and its own number, whoever draws it and in whatever order.
+//! Random initial states around a given one. Each depends on the seed and its own index only, not on threads
+//! or order.
 
 use equip_scalar::Float;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-/// Start number `index` of those that `seed` draws around (`q0`, `p0`), each of length m: every component x
-/// becomes x (1 + `spread` u), with u uniform in [−1, 1) and its own for each component. Components that are
-/// zero stay so.
+/// The initial state with this `index` that `seed` draws around (`q0`, `p0`), each of length m: every
+/// component x becomes x (1 + `spread` u), with an independent u uniform in [−1, 1) for each component.
+/// Components that are zero stay zero.
 ///
-/// u comes from ChaCha8, its key from the seed and its stream from the number of the start, 53 bits of one
-/// 64-bit word for each component, those of q first. The starts are the same on every machine.
+/// u comes from ChaCha8, with the key from the seed and the stream from the index: 53 bits of one 64-bit word
+/// for each component, those of q first. The states are the same on every machine.
 ///
 /// ```
 /// use equip_integrate::drawn_start;

@@ -1,4 +1,4 @@
-//! Runs from many starts: where they start, and all of them in parallel.
+//! Runs from many initial states: random states, and parallel integration.
 
 pub(crate) mod drawn;
 pub(crate) mod starts;

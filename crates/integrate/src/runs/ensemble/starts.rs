@@ -1,7 +1,7 @@
-//! Many runs of one system over threads: a row for each start, in the order of the starts.
+//! Many runs of one system in parallel: one row for each initial state, in the order of the initial states.
 //!
-//! A row is what a run of its own makes, bit for bit, whatever the number of threads: threads share the
-//! numbers of the starts that are left and nothing else, and each prepares the method once.
+//! A row agrees bit for bit with that of a single run, for any number of threads. Threads share only the
+//! index of the next initial state, and each prepares the method once.
 
 use crate::error::IntegrateError;
 use crate::options::integrator::Integrator;
@@ -12,21 +12,21 @@ use equip_scalar::Float;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// The starts of an ensemble and the interval of all its runs.
+/// The initial states of an ensemble, and the interval of all its runs.
 #[derive(Debug, Clone, Copy)]
 pub struct Starts<'a, T> {
-    /// Positions at the starts, N × m, one start after the other.
+    /// The initial positions, N × m, one state after the other.
     pub q0: &'a [T],
-    /// Momenta at the starts, N × m.
+    /// The initial momenta, N × m.
     pub p0: &'a [T],
-    /// Time of all starts.
+    /// The initial time of all runs.
     pub start: T,
-    /// Time at which all runs end.
+    /// The final time of all runs.
     pub end: T,
 }
 
 impl<'a, T: Float> Starts<'a, T> {
-    /// N starts over one interval of time.
+    /// N initial states over one interval of time.
     pub fn new(q0: &'a [T], p0: &'a [T], interval: RangeInclusive<T>) -> Self {
         let (start, end) = interval.into_inner();
         Starts { q0, p0, start, end }
@@ -34,16 +34,16 @@ impl<'a, T: Float> Starts<'a, T> {
 }
 
 impl<T: Float> Integrator<T> {
-    /// Integrates from each of the starts over the threads of the present pool of rayon, and returns what
-    /// `row` makes of each run: `row(i, run)` is called on the thread that made run number i. `stop` is asked
-    /// before every run and after every step; once it is true, the runs that are not finished are `None`.
+    /// Integrates from each initial state, in parallel on the current thread pool of rayon. Returns the
+    /// results of `row`, where `row(i, run)` is called on the thread of run number i. `stop` is called before
+    /// every run and after every step; once it returns true, runs that are not finished are `None`.
     ///
-    /// A run that fails is a row like any other. What does not depend on the initial condition is prepared
-    /// once a thread.
+    /// A failed run is a row like any other. Everything that does not depend on the initial state is prepared
+    /// once per thread.
     ///
     /// # Errors
-    /// Faults of options and steps, which are those of all runs; [`IntegrateError::WrongLength`] if there are
-    /// not as many momenta as positions, or they are not those of whole starts.
+    /// Invalid options and steps, which concern all runs; [`IntegrateError::WrongLength`] if the numbers of
+    /// momenta and positions differ, or are not multiples of m.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -81,7 +81,7 @@ impl<T: Float> Integrator<T> {
             }
         }
         let next = AtomicUsize::new(0);
-        // Numbers of the runs that this thread makes, one after the other until none is left.
+        // The index of the next run of this thread, until none is left.
         let take = || {
             let left = next.fetch_add(1, Relaxed);
             (left < members && !stop()).then_some(left)

@@ -1,4 +1,4 @@
-//! How a run by tolerance begins, ends, turns round and is resumed.
+//! Runs by a tolerance: start, end, reversal and resumption.
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::exact::Exact;
@@ -156,7 +156,7 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
         };
         let (proposed, before) = (self.control.next, refused(run));
         self.advance_within(run, Some(t))?;
-        // A step that was cut says nothing against the size that was proposed.
+        // A step that was shortened to meet `t` does not reduce the proposed size.
         if refused(run) == before && run.last.0.abs().to_f64() < proposed {
             self.control.next = self.control.next.max(proposed);
         }

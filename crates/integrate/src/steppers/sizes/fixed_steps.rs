@@ -12,19 +12,19 @@ use equip_scalar::Float;
 /// The grid t_g + n h.
 #[derive(Debug)]
 pub(super) struct FixedSteps<T> {
-    /// Size of the steps, without a sign.
+    /// The size of the steps, without sign.
     size: T,
-    /// Which way a run goes unless an end says otherwise.
+    /// The direction of a run, unless its end determines the direction.
     first_direction: TimeDirection,
-    /// Where the grid begins, and how many of its steps ahead of that, in the order of travel, the run is.
+    /// The start of the grid, and the number of steps from there in the direction of the run.
     start: T,
     place: i64,
-    /// The grid up to the end of the run, if that is known.
+    /// The grid up to the end of the run, if it is known.
     grid: Option<Grid<T>>,
 }
 
 impl<T: Float> FixedSteps<T> {
-    /// Steps of size `h`, whose sign is the way a run begins to go.
+    /// Steps of size `h`. The sign is the initial direction of the run.
     pub(super) fn new(h: T) -> Self {
         FixedSteps {
             size: h.abs(),
@@ -35,18 +35,18 @@ impl<T: Float> FixedSteps<T> {
         }
     }
 
-    /// The step, with its sign.
+    /// The signed step.
     fn step_of(&self, run: &Integration<T>) -> T {
         run.direction.signed(self.size)
     }
 
-    /// Whether the run is at a point of the grid, within the rounding of time.
+    /// Whether the run is at a point of the grid, up to the rounding of time.
     fn is_on_grid(&self, run: &Integration<T>) -> bool {
         let point = self.start + T::int(self.place) * self.step_of(run);
         is_same_time(point, run.time, self.start)
     }
 
-    /// The grid begins anew at the time reached.
+    /// Restarts the grid at the present time.
     fn begin_grid(&mut self, run: &Integration<T>) {
         (self.start, self.place) = (run.time, 0);
     }
@@ -98,7 +98,7 @@ impl<T: Float> StepControl<T> for FixedSteps<T> {
     }
 
     fn set_end(&mut self, run: &Integration<T>, end: T) -> Result<(), IntegrateError<T>> {
-        // The last step of a run that is over may be shorter than the grid's.
+        // The last step of a finished run may be shorter than a step of the grid.
         if !self.is_on_grid(run) {
             return Err(IntegrateError::CheckpointOffGrid { time: run.time });
         }
@@ -156,7 +156,7 @@ impl<T: Float> StepControl<T> for FixedSteps<T> {
         let grid = Grid::new(self.start, t, self.step_of(run))?;
         let next = self.place + 1;
         if next > grid.last() {
-            // Within the rounding of time it is there.
+            // The run is at `t` up to the rounding of time.
             run.time = t;
             return Ok(false);
         }

@@ -3,18 +3,18 @@
 use crate::error::IntegrateError;
 use equip_scalar::Float;
 
-/// The grid t0 + n h, h of either sign, up to the end of a run.
+/// The grid t0 + n h up to the end of a run; h has either sign.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Grid<T> {
     t0: T,
     t1: T,
     h: T,
-    /// Place of the last point of the grid, and whether a shorter step follows it.
+    /// The index of the last point of the grid, and whether a shorter step follows.
     whole: i64,
     rest: bool,
 }
 
-/// Whether two times are the same within the rounding of a grid that begins at `start`.
+/// Whether two times are equal up to the rounding of a grid that begins at `start`.
 pub(super) fn is_same_time<T: Float>(a: T, b: T, start: T) -> bool {
     let largest = start.abs().max(b.abs()).max((b - start).abs());
     (a - b).abs() <= T::int(2) * T::EPSILON * largest
@@ -23,7 +23,7 @@ pub(super) fn is_same_time<T: Float>(a: T, b: T, start: T) -> bool {
 impl<T: Float> Grid<T> {
     pub(crate) fn new(t0: T, t1: T, h: T) -> Result<Self, IntegrateError<T>> {
         let ratio = (t1 - t0) / h;
-        // The step count must be exact in an f64 and fit the time grid of T.
+        // The number of steps must be exact in `f64` and fit the time grid of T.
         if !(ratio.abs().to_f64() < 9e15) {
             return Err(IntegrateError::TooManySteps {
                 steps: ratio.abs().to_f64(),
@@ -36,7 +36,7 @@ impl<T: Float> Grid<T> {
                 time: largest,
             });
         }
-        // h divides the interval if the rounded number of steps meets t1 within the rounding of the time.
+        // h divides the interval if the rounded number of steps meets t1 up to the rounding of time.
         let nearest = ratio.round();
         let divides = is_same_time(t0 + nearest * h, t1, t0);
         let whole = if divides { nearest } else { ratio.floor() };
@@ -49,12 +49,12 @@ impl<T: Float> Grid<T> {
         })
     }
 
-    /// Where it ends.
+    /// The end of the grid.
     pub(crate) fn end(&self) -> T {
         self.t1
     }
 
-    /// The place of the end.
+    /// The index of the end.
     pub(crate) fn last(&self) -> i64 {
         self.whole + i64::from(self.rest)
     }
@@ -67,7 +67,7 @@ impl<T: Float> Grid<T> {
         }
     }
 
-    /// Size of the step that ends at `place`, with its sign.
+    /// The signed size of the step that ends at `place`.
     pub(crate) fn size(&self, place: i64) -> T {
         if place > self.whole {
             self.t1 - self.time(self.whole)

@@ -1,9 +1,9 @@
-//! [`Made`]: what has become of a try to make a step.
+//! [`Made`]: the result of an attempt to make a step.
 
 use crate::control::estimate::Estimate;
 use equip_solver::Outcome;
 
-/// A size, without a sign, and where it leads.
+/// A size, without sign, and the time at the end of the step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place<T> {
     pub(super) size: T,
@@ -12,21 +12,21 @@ pub(super) struct Place<T> {
     pub(super) cut: bool,
 }
 
-/// A step, or only its stages.
+/// A complete step, or its stages only.
 pub(super) enum Made<T> {
     Step(Outcome, Estimate, EndIs),
-    /// It is over a switch of H, and to be made up to it, …
+    /// The step crosses a switch of H, and must be repeated up to the switch.
     OverSwitch(Place<T>),
-    /// … or half as long, where many knots of a table may lie on its way.
+    /// Many knots of a table may be in the step; it must be repeated with half the size.
     OverKnots,
 }
 
-/// Where a step ends.
+/// The end of a step with respect to switches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum EndIs {
-    /// There was no switch on its way.
+    /// The step met no switch.
     Smooth,
     OnSwitch,
-    /// Beyond one that the tolerance allows it to pass over, or at which no try has ended.
+    /// The step crossed a switch whose effect is below the tolerance, or on which no attempt has ended.
     BeyondSwitch,
 }

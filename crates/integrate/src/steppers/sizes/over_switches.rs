@@ -1,8 +1,9 @@
-//! What a run by tolerance does at switches of H ([`crate::events::crossings`]): a step over one is made anew
-//! to end there, unless what the kink makes of it is below the tolerance ([`crate::events::roughness`]).
+//! Runs by a tolerance at switches of H ([`crate::events::crossings`]). A step that crosses a switch is
+//! repeated so that it ends on the switch, unless the effect of the discontinuity is below the tolerance
+//! ([`crate::events::roughness`]).
 //!
-//! The α_k of a step are sought when it is known to stay. Where it begins or ends on a switch, the derivative
-//! there is taken a little within the step, where H is that of one side.
+//! The α_k of a step are computed once it is known that the step is not repeated. If a step begins or ends on
+//! a switch, the derivative is evaluated slightly within the step, where H is that of one side.
 
 use crate::control::estimate::{End, Estimate};
 use crate::control::policy::SOON;
@@ -15,7 +16,7 @@ use crate::steppers::sizes::made::{EndIs, Made, Place};
 use equip_scalar::Float;
 
 impl<T: Float> AdaptiveSteps<T> {
-    /// Makes a step with its estimate, or only its stages if it is to end on a switch before.
+    /// Attempts a step and its estimate, or only its stages if the step must end earlier, on a switch.
     pub(super) fn make_up_to_switches(
         &mut self,
         run: &mut Integration<T>,
@@ -34,7 +35,7 @@ impl<T: Float> AdaptiveSteps<T> {
         };
         let was_aimed = crossings.is_aimed();
         let meeting = crossings.look(core, y, next);
-        // A switch beyond the end of the run is none.
+        // A switch beyond the end of the run does not count.
         let is_last = end == Some(place.time);
         let meeting = meeting.filter(|meeting| match meeting {
             Meeting::At(root, _) => *root <= T::int(1) || !is_last,
@@ -76,8 +77,8 @@ impl<T: Float> AdaptiveSteps<T> {
         Ok(Made::Step(outcome, estimate, end_is))
     }
 
-    /// Whether kinks within the step of size `h` just made, the first of them at `roots`, are more than the
-    /// tolerance allows.
+    /// Whether the effect of discontinuities within the last step, of size `h`, exceeds the tolerance.
+    /// `roots` are the first two.
     fn is_rough(&mut self, run: &mut Integration<T>, h: T, roots: [T; 2]) -> bool {
         let rho = self.estimate(run, h, false).decay;
         let (core, decay) = (&mut run.core, (&self.decay, rho));
@@ -85,20 +86,20 @@ impl<T: Float> AdaptiveSteps<T> {
         crossings.is_some_and(|crossings| crossings.is_rough(core, (h, roots), decay))
     }
 
-    /// Whether H jumps at the first switch that the step just made meets.
+    /// Whether H jumps at the first switch that the last step meets.
     fn jumps_at(&mut self, run: &mut Integration<T>, root: T) -> bool {
         let core = &mut run.core;
         let crossings = self.crossings.as_mut();
         crossings.is_some_and(|crossings| crossings.jump_at(core, root).is_some())
     }
 
-    /// Whether a step over knots is to be halved, once more.
+    /// Whether a step across knots is to be halved once more.
     fn may_halve(&mut self) -> bool {
         let crossings = self.crossings.as_mut();
         crossings.is_some_and(Crossings::may_halve)
     }
 
-    /// A step of `size`, that ends on a switch, if time resolves it; not beyond `end`.
+    /// A step of `size` that ends on a switch, if time resolves it; not beyond `end`.
     fn place_of_switch(&self, run: &Integration<T>, size: T, end: Option<T>) -> Option<Place<T>> {
         let direction = run.direction;
         let left = end.map(|end| direction.signed((end - run.time) - self.time_low));
@@ -112,7 +113,8 @@ impl<T: Float> AdaptiveSteps<T> {
         self.crossings.iter_mut().for_each(Crossings::stop_aiming);
     }
 
-    /// A step of size `h` is accepted. That it was cut at a switch says nothing against the size `proposed`.
+    /// Accepts a step of size `h`. If it was shortened to end on a switch, the size `proposed` is not
+    /// reduced.
     pub(super) fn accept_switches(
         &mut self,
         run: &mut Integration<T>,
@@ -136,7 +138,7 @@ impl<T: Float> AdaptiveSteps<T> {
         }
     }
 
-    /// The estimate of the step of size `h` just made.
+    /// The error estimate of the last step, of size `h`.
     fn estimate(&mut self, run: &mut Integration<T>, h: T, ends_on_switch: bool) -> Estimate {
         let Integration { core, y, next, .. } = run;
         let crossings = self.crossings.as_mut();
@@ -175,7 +177,7 @@ impl<T: Float> AdaptiveSteps<T> {
                 .estimate((y, h), l, ends, Some(&self.gradient_rounding));
         }
         let rho = estimate.decay;
-        // Of rounding nothing follows, and where the contraction bounds it well enough it is not needed.
+        // The flow is not estimated from rounding, nor if the contraction bounds it well enough.
         let is_rounding = self.decay.is_rounding(&estimate);
         let is_needed = core.contraction().is_none_or(|contraction| {
             let most = self.decay.with_flow(rho, self.flow.most(contraction));

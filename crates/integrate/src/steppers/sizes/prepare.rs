@@ -1,4 +1,4 @@
-//! A stepper with the step control that an integrator names.
+//! A stepper with the step control of an integrator.
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
@@ -12,7 +12,7 @@ use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
 impl<T: Float> Stepper<T> {
-    /// Everything but an initial state: options checked, tables and workspace made.
+    /// Checks the options, and computes tables and workspace. The stepper has no initial state yet.
     pub(crate) fn prepare(
         integrator: &Integrator<T>,
         system: &Hamiltonian,
@@ -38,7 +38,7 @@ impl<T: Float> Stepper<T> {
         Ok(Stepper { inner, control })
     }
 
-    /// The run that `checkpoint` was made of, at the step where it was made.
+    /// The run of `checkpoint`, at the step of the checkpoint.
     pub(crate) fn resume(
         integrator: &Integrator<T>,
         system: &Hamiltonian,
@@ -46,7 +46,7 @@ impl<T: Float> Stepper<T> {
     ) -> Result<Self, IntegrateError<T>> {
         checkpoint.check::<T>(&integrator.words())?;
         let mut stepper = Self::prepare(integrator, system)?;
-        // H(t, q, p) may be none at another pair of time and state.
+        // H(t, q, p) may be undefined at another pair of time and state.
         let (q, p) = checkpoint.start_state()?;
         let t0 = checkpoint.start.read_finite("the start")?;
         stepper.begin((&q, &p), t0, None)?;
