@@ -47,6 +47,7 @@ pub(crate) fn value_error(error: impl ToString) -> PyErr {
 pub(crate) fn of_run<T: Float>(error: &IntegrateError<T>) -> PyErr {
     match error {
         IntegrateError::EventTooRough { .. }
+        | IntegrateError::ChangedState { .. }
         | IntegrateError::TargetBelowRoundOff { .. }
         | IntegrateError::TargetNotReached { .. }
         | IntegrateError::StepBelowMinimum { .. }

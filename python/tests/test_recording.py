@@ -46,6 +46,7 @@ FORMULAS = {
     "lists": lambda q, p: np.array([q[0], p[1], 1.0]).sum() + np.maximum(np.stack([q[0], 0.4]), 0.3).sum(),
     "products": lambda q, p: np.cross(np.append(q, 0), np.append(p, 0))[2] + np.kron(q, p).sum() + np.outer(q, p).trace(),
     "where": lambda q, p: np.where([True, False], q, 0.0).sum() + np.where(True, q[0], p[0]),
+    "masks": lambda q, p: ((q > 0.1) * q**2).sum() + p[0] * (p[0] < 5.0) + (q[0] > 1.0) * 2.0,
     "where by q": lambda q, p: np.where(q > 0.5, q**2, p).sum() + np.where(q < p, q, 0.0)[1] + np.where(0.4 <= q, 1, p).sum(),
     "where by one": lambda q, p: np.where(q[0] > p[0], q, p) @ MATRIX @ q + np.where(q[0] >= 0.5, 2.0, q[0]) + np.where(0.5 > p[1], p[0], 1),
     "where by two": lambda q, p: np.where((q > 0.3) & (p < 0.7), q, p).sum() + np.where((q > 0.6) | ~(p > 0.4), p, 1.5).sum(),

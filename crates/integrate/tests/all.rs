@@ -12,6 +12,7 @@ mod energy_verdict;
 #[cfg(feature = "rayon")]
 mod ensemble;
 mod events;
+mod events_together;
 mod extended;
 mod force_rounding;
 mod gradients;

@@ -71,6 +71,8 @@ def options(
         raise ValueError(f"precision is {precision!r}; it must be 'f64' or 'dd' (double-double, 31 digits)")
     if step is not None and tolerance is not None:
         raise ValueError("give a step or a tolerance, not both")
+    if tolerance is not None and rtol is not None:
+        raise ValueError("give a tolerance or rtol, not both: rtol is the tolerance of positions and momenta")
     adaptive = {
         "first_step": first_step,
         "rtol": rtol,
@@ -199,7 +201,8 @@ def solve(
         number of roots is refused), `direction` of 1 or -1 takes rising or falling roots only. An attribute
         `then`, a function of (t, q, p) that returns (q, p), changes the state at every root, as a bounce or a
         kick does, and the run continues: H is conserved from there at the value it has after the change.
-        `then` is called with numbers, in another thread. `Solution.y_events` has the states before.
+        `then` is called with numbers, in another thread. `Solution.y_events` has the states before. Events at
+        the same time all change the state, in their order here. A root at the start is not reported.
     invariants
         Further quantities f(q, p) by name, whose errors the certificate shows; of (t, q, p) where H is.
     keep

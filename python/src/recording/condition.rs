@@ -77,6 +77,16 @@ impl Condition {
     fn __ror__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
         self.with(other, |x, y| x.max(y))
     }
+    /// A mask: the other factor where it holds, else 0.
+    fn __mul__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        match number(other)? {
+            Some(x) => Ok(Py::new(other.py(), self.select(x, Var::from(0.0))?)?.into_any()),
+            None => Ok(other.py().NotImplemented()),
+        }
+    }
+    fn __rmul__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        self.__mul__(other)
+    }
     fn __invert__(&self) -> Self {
         Condition::new(self.test, !self.is_where_negative)
     }

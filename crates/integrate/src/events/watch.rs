@@ -3,22 +3,26 @@
 use crate::dense::piece::Piece;
 use crate::error::IntegrateError;
 use crate::events::roots::Roots;
-use crate::options::event::{Action, Direction, Event, EventFunction, Occurrence};
+use crate::options::event::{Direction, Event, EventFunction, Occurrence};
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
+use std::ops::ControlFlow;
+
+/// Units of rounding of the time within which two roots are at the same time.
+pub(crate) const CLOSEST: i64 = 256;
 
 #[derive(Debug)]
 pub(crate) struct EventWatch<T: Float> {
     events: Vec<Event<T>>,
     functions: Vec<EventFunction<T>>,
     roots: Roots<T>,
-    /// (place in the piece, event, rising).
+    /// (position in the piece, event, whether g rises).
     found: Vec<(T, usize, bool)>,
     y: Vec<T>,
     start: T,
     direction: TimeDirection,
-    /// The event that ended the last piece.
-    last: usize,
+    /// The events at the end of the last piece, if one of them ended it.
+    met: Vec<usize>,
 }
 
 impl<T: Float> EventWatch<T> {
@@ -35,37 +39,62 @@ impl<T: Float> EventWatch<T> {
             y: vec![T::int(0); n],
             start,
             direction,
-            last: 0,
+            met: Vec::new(),
         }
     }
 
-    /// What the event that ended the last piece does to the state.
-    pub(crate) fn action(&self) -> Option<Action<T>> {
-        self.events.get(self.last)?.action.clone()
+    /// Changes the state `y` by the events that ended the last piece, in the order in which they are listed.
+    /// Breaks if one of them ends the run.
+    pub(crate) fn change(&self, time: T, y: &mut [T]) -> ControlFlow<()> {
+        let (q, p) = y.split_at_mut(y.len() / 2);
+        let met = self.met.iter().map(|&event| &self.events[event]);
+        for action in met.clone().filter_map(|event| event.action.as_ref()) {
+            action(time, q, p)?;
+        }
+        if met.clone().any(|event| event.terminal) {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
     }
 
-    /// The run continues from another state at this time: a root there is none that it crosses.
+    /// The name of the event that changed the state last.
+    pub(crate) fn changing(&self) -> String {
+        let mut met = self.met.iter().map(|&event| &self.events[event]);
+        let changing = met.find(|event| event.action.is_some());
+        changing
+            .map(|event| event.name().to_owned())
+            .unwrap_or_default()
+    }
+
+    /// Continues from another state at this time. A root at this time is not crossed.
     pub(crate) fn begin(&mut self, time: T) {
+        self.start = time;
+        self.met.clear();
+    }
+
+    /// Continues from the state that the events of the last piece have changed, at their time.
+    pub(crate) fn continue_changed(&mut self, time: T) {
         self.start = time;
     }
 
-    /// The run goes this way from here on.
+    /// Sets the direction of the run.
     pub(crate) fn go(&mut self, direction: TimeDirection) {
         self.direction = direction;
     }
 
-    /// Appends what happens in `piece` to `occurrences`. Returns the place in it where an event ends the run,
-    /// or changes its state.
+    /// Appends the events in `piece` to `occurrences`. Returns the position in the piece where an event ends
+    /// the run or changes its state. Events within [`CLOSEST`] roundings of the time are simultaneous.
     pub(crate) fn see(
         &mut self,
         piece: &Piece<T>,
         occurrences: &mut Vec<Occurrence<T>>,
     ) -> Result<Option<T>, IntegrateError<T>> {
         let m = self.y.len() / 2;
-        // Places closer than an ulp of the time are one.
+        // Positions closer than an ulp of the time are equal.
         let largest = piece.time.abs().max(piece.time_at(T::int(1)).abs());
         let resolution =
             (T::EPSILON / T::int(2) * largest / piece.h.abs()).max(T::EPSILON / T::int(4));
+        let closest = T::int(2 * CLOSEST) * resolution;
         self.found.clear();
         let functions = self.events.iter().zip(&mut self.functions);
         for (number, (event, function)) in functions.enumerate() {
@@ -81,6 +110,22 @@ impl<T: Float> EventWatch<T> {
                     time: piece.time,
                     step: piece.h,
                 })?;
+            // The state begins on these events, on either side by rounding. A root that g only approaches is
+            // the root on which the state begins.
+            if self.met.contains(&number)
+                && let Some(&(root, rises)) = self.roots.found.first()
+                && root <= closest
+            {
+                let y = &mut self.y;
+                let mut g = |place: T| {
+                    piece.state_at(place, y);
+                    function.value(piece.time_at(place), &y[..m], &y[m..])
+                };
+                let nears = g(root / T::int(2)) - g(T::int(0));
+                if nears == T::int(0) || (nears > T::int(0)) == rises {
+                    self.roots.found.remove(0);
+                }
+            }
             let wanted = self.roots.found.iter().filter(|(_, rising)| {
                 event.direction == Direction::Both
                     || (event.direction == Direction::Rising) == *rising
@@ -90,10 +135,18 @@ impl<T: Float> EventWatch<T> {
         }
         self.found
             .sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap_or(std::cmp::Ordering::Equal));
+        self.met.clear();
+        let mut end = None;
         for &(place, event, rising) in &self.found {
             let time = piece.time_at(place);
             // A run that starts on a root has not crossed it.
             if !self.direction.is_before(self.start, time) {
+                continue;
+            }
+            if end.is_some_and(|end| place > end + closest) {
+                break;
+            }
+            if end.is_some() && self.met.contains(&event) {
                 continue;
             }
             piece.state_at(place, &mut self.y);
@@ -105,11 +158,17 @@ impl<T: Float> EventWatch<T> {
                 p,
                 rising,
             });
-            if self.events[event].terminal || self.events[event].action.is_some() {
-                self.last = event;
-                return Ok(Some(place));
+            let Event {
+                terminal, action, ..
+            } = &self.events[event];
+            if end.is_none() && (*terminal || action.is_some()) {
+                end = Some(place);
+            }
+            if end.is_some() {
+                self.met.push(event);
             }
         }
-        Ok(None)
+        self.met.sort_unstable();
+        Ok(end)
     }
 }

@@ -1,4 +1,4 @@
-//! [`Event`]: a function of time and state whose roots along the run are wanted.
+//! [`Event`]: a function of time and state whose roots along the run are found.
 
 use equip_autodiff::{Hamiltonian, StateFunction};
 use equip_scalar::Float;
@@ -6,10 +6,10 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Which way g crosses zero, in the direction in which the run goes.
+/// The direction in which g crosses zero along the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Direction {
-    /// Either way.
+    /// Both directions.
     #[default]
     Both,
     /// From negative to positive.
@@ -20,22 +20,21 @@ pub enum Direction {
 
 type Function<T> = Arc<dyn Fn(T, &[T], &[T]) -> T + Send + Sync>;
 
-/// What an event does to the state (q, p) at a time; a break ends the run there.
+/// The change of the state (q, p) by an event at a time. `Break` ends the run.
 pub(crate) type Action<T> = Arc<dyn Fn(T, &mut [T], &mut [T]) -> ControlFlow<()> + Send + Sync>;
 
-/// Where g comes from.
+/// The source of g.
 #[derive(Clone)]
 enum Source<T> {
     Closure(Function<T>),
     Recording(Box<Hamiltonian>),
 }
 
-/// A function g(t, q, p) whose sign changes along the run are found, between the steps as well, all of those
-/// within a step.
+/// A function g(t, q, p). All its sign changes along the run are found, including several within a step.
 ///
-/// A root is where the sign changes; zero counts as positive. Two roots are told apart, and neither is
-/// missed, if g between them exceeds the rounding of g: where g only touches zero, that decides whether there
-/// are two roots or none.
+/// A root is a sign change; zero counts as positive. Two roots are separated, and neither is missed, if g
+/// between them exceeds the rounding of g. If g only touches zero, its rounding decides whether there are two
+/// roots or none.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -61,7 +60,7 @@ pub struct Event<T> {
 }
 
 impl<T> Event<T> {
-    /// The roots of `function`, a smooth function (t, q, p) ↦ g.
+    /// An event for the roots of `function`, a smooth function (t, q, p) ↦ g.
     pub fn new(
         name: impl Into<String>,
         function: impl Fn(T, &[T], &[T]) -> T + Send + Sync + 'static,
@@ -75,8 +74,8 @@ impl<T> Event<T> {
         }
     }
 
-    /// The roots of a function recorded like an energy, by [`Hamiltonian::new`] or
-    /// [`Hamiltonian::with_time`]: with constants as exact as the float type of the run.
+    /// An event for the roots of a function that is traced like an energy, by [`Hamiltonian::new`] or
+    /// [`Hamiltonian::with_time`]. Its constants are exact in the float type of the run.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -102,21 +101,21 @@ impl<T> Event<T> {
         }
     }
 
-    /// Only roots where g rises.
+    /// Restricts the event to roots where g rises.
     #[must_use]
     pub fn rising(mut self) -> Self {
         self.direction = Direction::Rising;
         self
     }
 
-    /// Only roots where g falls.
+    /// Restricts the event to roots where g falls.
     #[must_use]
     pub fn falling(mut self) -> Self {
         self.direction = Direction::Falling;
         self
     }
 
-    /// The first root ends the run: its state is the last of the run.
+    /// The first root ends the run. The state at the root is the last state of the run.
     #[must_use]
     pub fn terminal(mut self) -> Self {
         self.terminal = true;
@@ -124,10 +123,14 @@ impl<T> Event<T> {
     }
 
     /// At every root `action(t, q, p)` changes the state, as a bounce or a kick does, and the run continues
-    /// from there; a `ControlFlow::Break(())` ends it. H and invariants are conserved at the values that they
-    /// have after the change, and fixed steps are counted from the time of the root. Costs a gradient.
+    /// from there; `ControlFlow::Break(())` ends the run. H and the invariants are conserved at their values
+    /// after the change, and fixed steps are counted from the time of the root. Costs one gradient.
     ///
-    /// The state in [`Occurrence`] is the one before the change, the states of the run are those after it.
+    /// Roots within 256 roundings of the time are simultaneous: the changes of all events there are applied,
+    /// in the order in which the events were given.
+    ///
+    /// The state in [`Occurrence`] is the one before the change. The states of the run are those after the
+    /// change.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -157,12 +160,12 @@ impl<T> Event<T> {
         self
     }
 
-    /// Its name.
+    /// The name of the event.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What was recorded.
+    /// The traced function, if there is one.
     pub(crate) fn recording(&self) -> Option<&Hamiltonian> {
         match &self.source {
             Source::Closure(_) => None,
@@ -170,7 +173,7 @@ impl<T> Event<T> {
         }
     }
 
-    /// g, ready to be evaluated.
+    /// g in a form that can be evaluated.
     pub(crate) fn function(&self) -> EventFunction<T>
     where
         T: Float,
@@ -216,14 +219,14 @@ impl<T> fmt::Debug for Event<T> {
 /// A root of an event function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Occurrence<T> {
-    /// Number of the event, in the order in which they were added.
+    /// The index of the event, in the order in which the events were added.
     pub event: usize,
-    /// When.
+    /// The time of the root.
     pub time: T,
-    /// Positions then.
+    /// The positions at the root.
     pub q: Vec<T>,
-    /// Momenta then.
+    /// The momenta at the root.
     pub p: Vec<T>,
-    /// Whether g rises there, in the direction in which the run goes.
+    /// Whether g rises at the root, in the direction of the run.
     pub rising: bool,
 }

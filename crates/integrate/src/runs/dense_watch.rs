@@ -1,4 +1,5 @@
-//! What a run does with dense output after every step: keep it, or take the states at chosen times from it.
+//! Dense output after every step of a run: it is stored, or the states at requested times are computed from
+//! it.
 
 use crate::dense::piece::Piece;
 use crate::dense::refine::Refiner;
@@ -6,7 +7,6 @@ use crate::dense::trajectory::Trajectory;
 use crate::error::IntegrateError;
 use crate::events::watch::EventWatch;
 use crate::options::common::Options;
-use crate::options::event::Action;
 use crate::runs::run::Run;
 use crate::steppers::integration::Integration;
 use crate::time::direction::TimeDirection;
@@ -14,20 +14,20 @@ use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
 
-/// Dense output of a run; made only if something asks for it.
+/// Dense output of a run; exists only if requested.
 #[derive(Debug)]
 pub(crate) struct DenseWatch<T: Float> {
     refiner: Refiner<T>,
     trajectory: Option<Trajectory<T>>,
     events: Option<EventWatch<T>>,
-    /// Requested times, and how many are done.
+    /// The requested times, and the number of times done.
     times: Vec<T>,
     done: usize,
     y: Vec<T>,
 }
 
 impl<T: Float> DenseWatch<T> {
-    /// `times` are to be served from dense output. `None` if nothing asks for it.
+    /// `times` are the output times to be served from dense output. `None` if dense output is not needed.
     pub(crate) fn new(
         system: &Hamiltonian,
         options: &Options<T>,
@@ -52,8 +52,8 @@ impl<T: Float> DenseWatch<T> {
         }))
     }
 
-    /// Sees the step that `stepper` has just made from a time whose lost part was `time_low`. Breaks with
-    /// time and state of an event that ends the run or changes its state.
+    /// Processes the last step of `stepper`, which began at a time with the rounding remainder `time_low`.
+    /// Breaks with time and state of an event that ends the run or changes its state.
     pub(crate) fn see(
         &mut self,
         stepper: &Integration<T>,
@@ -95,16 +95,9 @@ impl<T: Float> DenseWatch<T> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// What the event at which `see` has broken off does to the state.
-    pub(crate) fn action(&self) -> Option<Action<T>> {
-        self.events.as_ref()?.action()
-    }
-
-    /// The run continues from another state at this time.
-    pub(crate) fn begin(&mut self, time: T) {
-        if let Some(events) = &mut self.events {
-            events.begin(time);
-        }
+    /// The events at which `see` has broken off: what they change and end.
+    pub(crate) fn events(&mut self) -> Option<&mut EventWatch<T>> {
+        self.events.as_mut()
     }
 
     fn outputs(
@@ -121,7 +114,7 @@ impl<T: Float> DenseWatch<T> {
         }
     }
 
-    /// The outputs that are left when the run has reached its end.
+    /// The remaining outputs when the run has reached its end.
     pub(crate) fn last_outputs(&mut self, stepper: &Integration<T>, run: &mut Run<T>) {
         for &time in &self.times[self.done..] {
             run.output(time, &stepper.y.hi);
@@ -132,7 +125,7 @@ impl<T: Float> DenseWatch<T> {
         }
     }
 
-    /// Hands over what was kept.
+    /// Moves the stored trajectory to `run`.
     pub(crate) fn finish(self, run: &mut Run<T>) {
         run.trajectory = self.trajectory;
     }

@@ -1,7 +1,8 @@
-//! The loop of a whole run, the same for fixed and for variable steps: step → dense output and events →
-//! observer → keep.
+//! The loop of a complete run, the same for fixed and for variable steps: step → dense output and events →
+//! observer → store.
 
 use crate::error::IntegrateError;
+use crate::events::watch::CLOSEST;
 use crate::options::record::Record;
 use crate::runs::dense_watch::DenseWatch;
 use crate::runs::observer::Observer;
@@ -13,10 +14,7 @@ use crate::tangent::chaos::Chaos;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
 
-/// Units of rounding of the time that two changes of the state have to be apart.
-const CLOSEST: i64 = 256;
-
-/// What watches a run.
+/// The consumers of the steps of a run.
 #[derive(Debug)]
 pub(crate) struct Watchers<'a, T: Float> {
     pub(crate) record: Record,
@@ -26,7 +24,7 @@ pub(crate) struct Watchers<'a, T: Float> {
     pub(crate) chaos: Option<Chaos<T>>,
 }
 
-/// Makes the run.
+/// Runs the loop.
 pub(crate) fn drive<T: Float>(
     steps: &mut Stepper<T>,
     mut watchers: Watchers<'_, T>,
@@ -70,23 +68,38 @@ fn watch<T: Float>(
         if let Some(dense) = &mut watchers.dense
             && let ControlFlow::Break((time, y)) = dense.see(stepper, time_low, run)?
         {
-            let (mut state, m) = (y.to_vec(), y.len() / 2);
-            let Some(action) = dense.action() else {
-                run.end_at(time, &state, stepper);
-                return Ok(());
+            let (before, mut state) = (y.to_vec(), y.to_vec());
+            let Some(events) = dense.events() else {
+                continue;
             };
-            let (q, p) = state.split_at_mut(m);
-            if action(time, q, p) == ControlFlow::Break(()) {
+            if events.change(time, &mut state) == ControlFlow::Break(()) {
                 run.end_at(time, &state, stepper);
                 return Ok(());
             }
+            let event = events.changing();
+            events.continue_changed(time);
             run.drop_outputs_beyond(time, stepper);
-            kick(steps, watchers, (&state, time), run)?;
-            // Events that accumulate, as of a ball that comes to rest, would be passed over unseen.
+            if let Err(cause) = steps.kick(state.split_at(state.len() / 2), time) {
+                run.end_at(time, &before, &steps.inner);
+                return Err(IntegrateError::ChangedState {
+                    event,
+                    time,
+                    cause: cause.to_string(),
+                });
+            }
+            if let Some(outputs) = &mut watchers.outputs {
+                outputs.rewind(run);
+            }
             let since = changed.replace(time).map(|before| (time - before).abs());
             let closest = T::int(CLOSEST) * T::EPSILON * time.abs();
-            if let Some(step) = since.filter(|&since| since <= closest) {
-                return Err(IntegrateError::StepBelowTimeResolution { step, time });
+            if let Some(interval) = since.filter(|&since| since <= closest) {
+                return Err(IntegrateError::ChangedState {
+                    event,
+                    time,
+                    cause: format!(
+                        "its roots accumulate, the last change was {interval:e} before; end the run before that time, or at a root (`terminal`)"
+                    ),
+                });
             }
         }
         let stepper = &steps.inner;
@@ -116,23 +129,6 @@ fn watch<T: Float>(
     }
     if let Some(dense) = &mut watchers.dense {
         dense.last_outputs(stepper, run);
-    }
-    Ok(())
-}
-
-/// Continues from the state that an event has made, at its time.
-fn kick<T: Float>(
-    steps: &mut Stepper<T>,
-    watchers: &mut Watchers<'_, T>,
-    (y, time): (&[T], T),
-    run: &Run<T>,
-) -> Result<(), IntegrateError<T>> {
-    steps.kick(y.split_at(y.len() / 2), time)?;
-    if let Some(dense) = &mut watchers.dense {
-        dense.begin(time);
-    }
-    if let Some(outputs) = &mut watchers.outputs {
-        outputs.rewind(run);
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! A whole run over an interval, and what it leaves.
+//! A complete run over an interval, and its results.
 
 use crate::dense::trajectory::Trajectory;
 use crate::error::IntegrateError;
@@ -10,7 +10,7 @@ use crate::time::visible::visible;
 use equip_scalar::Float;
 use equip_solver::Outcome;
 
-/// The states a run kept, and its certificate.
+/// The stored states of a run, and its certificate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run<T> {
     m: usize,
@@ -27,14 +27,14 @@ pub struct Run<T> {
     pub(crate) certificate: Certificate<T>,
 }
 
-/// A run that ended in an error, with all that was made before it.
+/// A run that ended in an error, with all results before the error.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{error}")]
 pub struct RunFailure<T: Float> {
-    /// What went wrong.
+    /// The error.
     #[source]
     pub error: IntegrateError<T>,
-    /// The run up to the last good step; `None` if the fault was found before the first.
+    /// The run up to the last successful step; `None` if the error occurred before the first step.
     pub partial: Option<Box<Run<T>>>,
 }
 
@@ -75,7 +75,7 @@ impl<T: Float> Run<T> {
         self.outcomes.push(view.outcome);
     }
 
-    /// The state at a time asked for.
+    /// Stores the state at a requested time.
     pub(crate) fn output(&mut self, time: T, y: &[T]) {
         self.output_times.push(time);
         let (q, p) = visible(y, self.m);
@@ -83,17 +83,17 @@ impl<T: Float> Run<T> {
         self.outputs.extend_from_slice(p);
     }
 
-    /// How many states at times asked for there are.
+    /// The number of states at requested times.
     pub(crate) fn output_count(&self) -> usize {
         self.output_times.len()
     }
 
-    /// An observer ends the run here.
+    /// Ends the run, by an observer.
     pub(crate) fn stop(&mut self) {
         self.stopped = true;
     }
 
-    /// A terminal event ends the run within the step made last.
+    /// Ends the run within the last step, by a terminal event.
     pub(crate) fn end_at(&mut self, time: T, y: &[T], stepper: &Integration<T>) {
         self.drop_outputs_beyond(time, stepper);
         let (q, p) = y.split_at(self.m);
@@ -119,8 +119,8 @@ impl<T: Float> Run<T> {
         };
     }
 
-    /// Drops outputs beyond `end`: those within a step are there before the step is made, or fails. A run
-    /// that has come to its end has them all, also where its last step ends short of them by rounding.
+    /// Drops outputs beyond `end`: outputs within a step are computed before the step, which may then fail. A
+    /// run that has reached its end keeps all of them, even if its last step ends short of them by rounding.
     pub(crate) fn drop_outputs_beyond(&mut self, end: T, stepper: &Integration<T>) {
         let is_within = |&t: &T| !stepper.direction.is_before(end, t);
         let within = self.output_times.partition_point(is_within);
@@ -133,10 +133,12 @@ impl<T: Float> Run<T> {
         error: IntegrateError<T>,
         stepper: &Integration<T>,
     ) -> RunFailure<T> {
-        if self.times.last() != Some(&stepper.time()) {
+        let end = self.ended.unwrap_or(stepper.time());
+        if self.times.last() != Some(&end) {
             self.keep(&stepper.view());
         }
-        self.drop_outputs_beyond(stepper.time(), stepper);
+        self.drop_outputs_beyond(end, stepper);
+        self.stopped = false;
         self.finish(stepper);
         RunFailure {
             error,
@@ -144,27 +146,27 @@ impl<T: Float> Run<T> {
         }
     }
 
-    /// Number of states kept, the initial one included.
+    /// The number of stored states, including the initial one.
     pub fn len(&self) -> usize {
         self.times.len()
     }
 
-    /// A run always keeps its initial state.
+    /// A run always stores its initial state.
     pub fn is_empty(&self) -> bool {
         self.times.is_empty()
     }
 
-    /// Times of the states kept.
+    /// The times of the stored states.
     pub fn times(&self) -> &[T] {
         &self.times
     }
 
-    /// Positions of state number `i`, length m.
+    /// The positions of state number `i`, length m.
     pub fn q(&self, i: usize) -> &[T] {
         &self.states[2 * self.m * i..][..self.m]
     }
 
-    /// Momenta of state number `i`, length m.
+    /// The momenta of state number `i`, length m.
     pub fn p(&self, i: usize) -> &[T] {
         &self.states[2 * self.m * i + self.m..][..self.m]
     }
@@ -175,12 +177,13 @@ impl<T: Float> Run<T> {
         (self.times[i], self.q(i), self.p(i))
     }
 
-    /// H − H_ref of the states kept; empty if the energy was not measured.
+    /// H − H_ref of the stored states; empty if the energy was not measured.
     pub fn energy_errors(&self) -> &[T] {
         &self.energy_errors
     }
 
-    /// Outcomes of the steps that led to the states kept; that of the initial state means nothing.
+    /// The outcomes of the steps that led to the stored states. The entry of the initial state is
+    /// meaningless.
     pub fn outcomes(&self) -> &[Outcome] {
         &self.outcomes
     }
@@ -197,12 +200,12 @@ impl<T: Float> Run<T> {
             })
     }
 
-    /// The run at any time, if dense output was requested.
+    /// The trajectory, if dense output was requested.
     pub fn trajectory(&self) -> Option<&Trajectory<T>> {
         self.trajectory.as_ref()
     }
 
-    /// The roots of the event functions, in the order in which the run came through them.
+    /// The roots of the event functions, in the order of the run.
     pub fn events(&self) -> &[Occurrence<T>] {
         &self.occurrences
     }
@@ -212,7 +215,7 @@ impl<T: Float> Run<T> {
         self.stopped
     }
 
-    /// What was kept, measured.
+    /// The certificate of the run.
     pub fn certificate(&self) -> &Certificate<T> {
         &self.certificate
     }

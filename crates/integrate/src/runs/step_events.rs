@@ -1,4 +1,4 @@
-//! [`StepEvents`]: events of a run that is made one step at a time.
+//! [`StepEvents`]: events of a run that is advanced one step at a time.
 
 use crate::dense::refine::Refiner;
 use crate::error::IntegrateError;
@@ -9,7 +9,7 @@ use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
 
-/// The events along a run whose steps the caller makes.
+/// The events along a run that the caller advances step by step.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -38,15 +38,15 @@ pub struct StepEvents<T: Float> {
     refiner: Refiner<T>,
     events: EventWatch<T>,
     found: Vec<Occurrence<T>>,
-    /// Number and end of the last step seen, and the part of that time that is lost to rounding.
+    /// Number and end of the last step examined, and the rounding remainder of that time.
     seen: (u64, T, T),
 }
 
 impl<T: Float> StepEvents<T> {
-    /// Finds the roots of `events` from the next step of `run` on, which is made of the same `system`.
+    /// Finds the roots of `events` from the next step of `run` on. `run` must belong to the same `system`.
     ///
     /// # Errors
-    /// When the tables of the polynomial of a step cannot be made.
+    /// If the tables of the polynomial of a step cannot be computed.
     pub fn new(
         system: &Hamiltonian,
         run: &mut Stepper<T>,
@@ -64,14 +64,14 @@ impl<T: Float> StepEvents<T> {
         })
     }
 
-    /// The events within the step that `run` made last, in the order in which the run passes them. None is
-    /// found beyond the first that is terminal or changes the state. The latter puts the run at the changed
-    /// state, at the time of the event; where it breaks the run stays at the end of its step.
+    /// The events within the last step of `run`, in the order of the run, up to the first one that is
+    /// terminal or changes the state. An event that changes the state moves the run to the changed state, at
+    /// the time of the event. If its action breaks, the run stays at the end of its step.
     ///
     /// # Errors
     /// [`IntegrateError::StepsNotFollowed`] if the run has made several steps since the last call,
-    /// [`IntegrateError::EventTooRough`] if a function changes sign more often than rounding resolves, and
-    /// faults of a changed state.
+    /// [`IntegrateError::EventTooRough`] if a function changes sign more often than rounding lets us resolve,
+    /// and errors of a changed state.
     pub fn find(&mut self, run: &mut Stepper<T>) -> Result<&[Occurrence<T>], IntegrateError<T>> {
         self.found.clear();
         let (index, end, low) = self.seen;
@@ -86,12 +86,12 @@ impl<T: Float> StepEvents<T> {
         }
         self.events.go(stepper.direction);
         let mut time_low = low;
-        // A run that was restarted begins anew.
+        // A run that was restarted begins at another time.
         if let Some(first) = parts.first().filter(|part| part.time != end) {
             self.events.begin(first.time);
             time_low = T::int(0);
         }
-        let mut changed = None;
+        let mut ended = None;
         for (i, part) in parts.iter().enumerate() {
             let end = parts.get(i + 1).map_or(&stepper.y, |next| &next.start);
             let part = (stepper.core.method(), part);
@@ -99,19 +99,21 @@ impl<T: Float> StepEvents<T> {
             if let Some(place) = self.events.see(&piece, &mut self.found)? {
                 let mut y = vec![T::int(0); 2 * stepper.m];
                 piece.state_at(place, &mut y);
-                changed = self
-                    .events
-                    .action()
-                    .map(|action| (action, piece.time_at(place), y));
+                ended = Some((piece.time_at(place), y));
                 break;
             }
         }
-        if let Some((action, time, mut y)) = changed {
-            let (q, p) = y.split_at_mut(stepper.m);
-            if action(time, q, p) == ControlFlow::Continue(()) {
-                run.kick((q, p), time)?;
-                self.events.begin(time);
-            }
+        if let Some((time, mut y)) = ended
+            && self.events.change(time, &mut y) == ControlFlow::Continue(())
+        {
+            let half = run.inner.m;
+            run.kick(y.split_at(half), time)
+                .map_err(|cause| IntegrateError::ChangedState {
+                    event: self.events.changing(),
+                    time,
+                    cause: cause.to_string(),
+                })?;
+            self.events.continue_changed(time);
         }
         self.seen = (made, run.time(), run.control.time_low());
         Ok(&self.found)

@@ -1,10 +1,11 @@
-//! [`AdaptiveSteps`]: steps whose sizes follow a tolerance.
+//! [`AdaptiveSteps`]: step sizes by a tolerance.
 //!
-//! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same
-//! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
+//! Every step: solve at the proposed size → estimate → accept, or reject and try a better size from the same
+//! state. The stages of a rejected step are the initial guess of the next attempt. Time is summed with
+//! compensation.
 //!
-//! A step over a switch of H, a kink or a jump, is one that is refused for a shorter one that ends there
-//! ([`super::over_switches`]).
+//! A step that crosses a switch of H (a discontinuity of H or of a derivative) is replaced by a shorter one
+//! that ends on the switch ([`super::over_switches`]).
 
 use crate::control::controller::{Control, Judgement};
 use crate::control::estimate::Decay;
@@ -20,35 +21,35 @@ use crate::steppers::sizes::made::{EndIs, Made, Place};
 use equip_scalar::Float;
 use equip_solver::Outcome;
 
-/// The rule of steps by a tolerance, with its memory.
+/// Step control by a tolerance, with its memory.
 #[derive(Debug)]
 pub(crate) struct AdaptiveSteps<T: Float> {
     pub(super) control: Control,
     pub(super) decay: Decay<T>,
     pub(super) flow: Flow<T>,
-    /// ∇H where the step begins, and where it ends.
+    /// ∇H at the start and at the end of the step.
     pub(super) gradients: [Vec<T>; 2],
-    /// What rounding makes of ∇H at the end of a step, where that was asked for.
+    /// The rounding error of ∇H at the end of a step, if it was computed.
     pub(super) gradient_rounding: Vec<T>,
-    /// None if H is smooth as far as is known.
+    /// `None` if H is smooth, as far as is known.
     pub(super) crossings: Option<Crossings<T>>,
     pub(super) first: FirstSize<T>,
     pub(super) first_step: Option<T>,
-    /// The first step is not made longer than this.
+    /// The largest size of the first step.
     pub(super) longest_first: f64,
     pub(super) tolerance: T,
-    /// What rounding lost of the time.
+    /// The rounding remainder of the time.
     pub(super) time_low: T,
-    /// Where the run ends, if that is known.
+    /// The end of the run, if it is known.
     pub(super) end: Option<T>,
     pub(super) min_step: T,
     pub(super) max_steps: u64,
-    /// Tries of the first step so far; none once its size is settled.
+    /// The number of attempts of the first step; `None` once its size is final.
     pub(super) tries: Option<u32>,
 }
 
 impl<T: Float> AdaptiveSteps<T> {
-    /// Makes the next step, but not beyond `end`, which the last step meets exactly.
+    /// Makes the next step, but not beyond `end`. The last step ends exactly at `end`.
     pub(super) fn advance_within(
         &mut self,
         run: &mut Integration<T>,
@@ -59,7 +60,7 @@ impl<T: Float> AdaptiveSteps<T> {
             return Err(IntegrateError::StepLimit { steps, time });
         }
         let mut size = self.control.next;
-        // The size that nothing but switches speaks against, and the one that knots allow.
+        // `proposed` is the size without regard to switches, `longest` the size that knots permit.
         let (mut proposed, mut longest) = (size, f64::INFINITY);
         let (mut cause, mut is_retried) = (None, false);
         if let Some(crossings) = &mut self.crossings {
@@ -124,7 +125,7 @@ impl<T: Float> AdaptiveSteps<T> {
                     }
                 }
                 Err(error) => {
-                    if error.stays_in_shorter_steps() {
+                    if fails_in_shorter_steps(&error) {
                         return Err(error);
                     }
                     self.tries = None;
@@ -137,7 +138,7 @@ impl<T: Float> AdaptiveSteps<T> {
             }
         }
     }
-    /// Why no step of this `size` can be made.
+    /// The error if no step of this `size` is possible.
     fn too_small(
         &mut self,
         run: &mut Integration<T>,
@@ -155,22 +156,22 @@ impl<T: Float> AdaptiveSteps<T> {
         too_small.error(core.energy_mut(), (&start, &y.hi), cause)
     }
 
-    /// ∇H where the next step begins.
+    /// Computes ∇H at the start of the next step.
     pub(super) fn take_gradient(&mut self, run: &mut Integration<T>) {
         let Integration { core, y, .. } = run;
         core.energy_mut()
             .flow_gradient(&y.hi, &mut self.gradients[0]);
     }
 
-    /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a
-    /// sliver.
+    /// The end of a step of this size. Near `end`, the step ends at `end` or covers half of the remainder, so
+    /// that no very short step is left.
     pub(super) fn place(&self, run: &Integration<T>, size: f64, end: Option<T>) -> Place<T> {
         let h = T::exact(size);
         let (now, low) = (run.time, self.time_low);
         if let Some(end) = end {
             let left = run.direction.signed((end - now) - low);
             let zero = T::int(0);
-            // A step may be stretched a little to meet the end.
+            // A step may be stretched slightly to meet the end.
             let allowed = left <= h || left.to_f64() <= self.control.most;
             if left <= h + h / T::int(PART) && allowed {
                 return Place {
@@ -217,4 +218,12 @@ fn count<T: Float>(run: &mut Integration<T>, which: impl Fn(&mut VariableSteps<T
     if let Some(steps) = &mut run.measured.variable {
         *which(steps) += 1;
     }
+}
+
+/// Whether a shorter step would fail for the same reason.
+fn fails_in_shorter_steps<T: Float>(error: &IntegrateError<T>) -> bool {
+    matches!(
+        error,
+        IntegrateError::NoAdmissibleAlpha { .. } | IntegrateError::WrongGradient { .. }
+    )
 }
