@@ -151,7 +151,9 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
     use IntegrateError as E;
     match error {
         E::StagesOutOfRange { stages, min, max } => {
-            format!("--stages is {stages}; this method takes {min} to {max}")
+            format!(
+                "--stages, or a number of --method, is {stages}; this method takes {min} to {max}"
+            )
         }
         E::Option {
             option,

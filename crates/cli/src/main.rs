@@ -34,7 +34,10 @@ fn main() -> ExitCode {
         // The reader of a pipe had enough: `equip scenes | head`.
         Err(Fault::Print(error)) if error.kind() == ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(fault) => {
-            eprintln!("error: {}", text::without_long_numbers(&fault.to_string()));
+            text::say(&format!(
+                "error: {}",
+                text::without_long_numbers(&fault.to_string())
+            ));
             fault.exit_code()
         }
     }

@@ -18,11 +18,13 @@ use crate::fault::Fault;
 use crate::text::{significant, without_long_numbers};
 use crate::write::checkpoint::{self, Saved, Saver};
 use crate::write::csv::Mark;
-use crate::write::lock::Claim;
+use crate::write::lock::{Claim, empty, unwritten};
 use crate::write::outputs::ordinary;
 use comparison::Comparison;
 use curve::curve;
-use equip_integrate::{Checkpoint, Gauss, Integrator, Invariant, Method, Reach, Target};
+use equip_integrate::{
+    Checkpoint, Gauss, IntegrateError, Integrator, Invariant, Method, Reach, Target,
+};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
 use finished::{EndError, Finished, end_error};
@@ -109,7 +111,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
             None => return Err(Fault::start(failure.error)),
         },
     };
-    watch.finish(&run)?;
+    let written = watch.finish(&run);
     let finished = Finished {
         // A run without a step ends where it started, which says nothing of it.
         end_error: (error.is_none() || run.certificate().counts.steps > 0)
@@ -120,10 +122,15 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         error,
     };
     let gauss = integrator(Gauss::stages(method.degree()), tolerance, h);
-    picture(args, [options, gauss], &finished, &mut watch)?;
+    let drawn = match &written {
+        Ok(()) => picture(args, [options, gauss], &finished, &mut watch),
+        Err(_) => Ok(()),
+    };
     drop(watch);
     drop(claim);
+    // What cannot be written does not take the certificate along.
     report(args, &finished)?;
+    written.and(drawn)?;
     if let Some(signal) = signals::caught()
         && finished.run.stopped()
         && finished.error.is_none()
@@ -241,11 +248,9 @@ fn picture<T: Float>(
         components(finished.instance),
     );
     let text = draw(finished, watch, comparison.as_ref(), curve.as_ref());
-    file.write_all(text.as_bytes())
-        .map_err(|source| Fault::Write {
-            path: path.clone(),
-            source,
-        })
+    empty(&file)
+        .and_then(|()| file.write_all(text.as_bytes()))
+        .map_err(|source| unwritten(path, source))
 }
 
 /// Step and end time.
@@ -304,9 +309,34 @@ fn step_for<T: Float>(target: T, instance: &Instance, method: Method, end: T) ->
     let (q, p) = instance.initial::<T>();
     let interval = T::int(0)..=stretch;
     let wanted = Target::Trajectory(target);
-    method
-        .suggest_step(instance.hamiltonian(), &q, &p, interval, wanted)
-        .map_err(Fault::start)
+    let suggested = method.suggest_step(instance.hamiltonian(), &q, &p, interval, wanted);
+    suggested.map_err(|error| Fault::start(of_whole_run(error, (end / stretch).abs())))
+}
+
+/// The errors that trial runs have reached, and the target, as those of a run so many times as long.
+fn of_whole_run<T: Float>(error: IntegrateError<T>, times: T) -> IntegrateError<T> {
+    use IntegrateError as E;
+    match error {
+        E::TargetBelowRoundOff {
+            target,
+            reached,
+            step,
+        } => E::TargetBelowRoundOff {
+            target: target * times,
+            reached: reached * times,
+            step,
+        },
+        E::TargetNotReached {
+            target,
+            error,
+            step,
+        } => E::TargetNotReached {
+            target: target * times,
+            error: error * times,
+            step,
+        },
+        other => other,
+    }
 }
 
 /// Prints the certificate in the form asked for.

@@ -1,5 +1,7 @@
 //! Numbers and lines of text that fit the terminal.
 
+use std::io::{Write, stderr};
+
 /// Columns of a line at most.
 pub(crate) const WIDTH: usize = 100;
 
@@ -91,6 +93,11 @@ pub(crate) fn three_digits(x: f64) -> String {
         }
         x => format!("{x:.2e}"),
     }
+}
+
+/// Prints a line for the user beside the output. A line that cannot be printed is no fault of the run.
+pub(crate) fn say(line: &str) {
+    let _ = writeln!(stderr(), "{line}");
 }
 
 #[cfg(test)]

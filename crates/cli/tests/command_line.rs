@@ -223,7 +223,10 @@ fn options_that_change_nothing_are_named() {
 #[test]
 fn messages_name_flags() {
     for (arguments, flag) in [
-        (&["run", "kepler", "--stages", "1"][..], "--stages is 1"),
+        (
+            &["run", "kepler", "--stages", "1"][..],
+            "--stages, or a number of --method, is 1",
+        ),
         (&["run", "kepler", "--tolerance", "2"], "--tolerance is 2"),
         (&["run", "kepler", "--step", "0"], "--step is 0"),
         (

@@ -4,7 +4,7 @@
 //! - every step is accounted for: as many outcomes as steps asked for, or a typed error after the last, which
 //!   the row is to have or Gauss has on steps of the same size;
 //! - |H − H_ref| ≤ 8 round-off levels on every step whose outcome says that the energy is kept, by the
-//!   solver's own evaluation of H and, for runs in `f64`, by one in double-double; H_ref is the number the
+//!   solver's own evaluation of H and, for runs in `f64`, 9 by one in double-double; H_ref is the number the
 //!   run started with. (After a start at a pericentre, where large terms cancel, that number itself has an
 //!   error of many levels of the quiet part of the orbit.)
 //! - linear and quadratic invariants stay within (8 + 2√n) ε Σ|∂_iI y_i| over n steps, halves counted: the
@@ -142,13 +142,18 @@ fn accounts(measured: &Measured, faults: &mut Vec<String>) {
 }
 
 fn energy(measured: &Measured, faults: &mut Vec<String>) {
+    // The rounding of the solver's own evaluation of H is up to one level.
     let figures = [
-        ("", measured.levels),
-        (" by double-double", measured.independent_levels),
+        ("", measured.levels, LEVELS),
+        (
+            " by double-double",
+            measured.independent_levels,
+            LEVELS + 1.0,
+        ),
     ];
-    for (how, levels) in figures {
+    for (how, levels, most) in figures {
         if let Some(levels) = levels
-            && !(levels <= LEVELS)
+            && !(levels <= most)
         {
             faults.push(format!("energy error of {levels:.3} round-off levels{how}"));
         }

@@ -105,7 +105,7 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
             accepted(method, text, tolerance, &orbits)?;
         }
     }
-    let mut drawing = Drawing::new(&args.plot, args.csv.as_deref());
+    let mut drawing = Drawing::new(&args.plot, args.csv.as_deref())?;
     let bar = steps_of("runs", orbits.len() * tolerances.len() * methods.len());
     let mut curves = Vec::new();
     let mut out = stdout().lock();

@@ -46,7 +46,7 @@ pub(crate) fn section(args: &SectionArgs) -> Result<(), Fault> {
         });
     }
     apart(&[("--plot", Some(&args.plot)), ("--csv", args.csv.as_deref())])?;
-    let mut drawing = Drawing::new(&args.plot, args.csv.as_deref());
+    let mut drawing = Drawing::new(&args.plot, args.csv.as_deref())?;
     let mut orbits: Vec<Crossings> = Vec::new();
     let (mut worst, mut steps) = (0.0f64, 0);
     let starts = starts(energy, args.orbits as usize);

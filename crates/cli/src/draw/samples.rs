@@ -28,7 +28,8 @@ impl Picture {
 
     /// Whether both are drawn of the same components.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
-        self.path.components == other.path.components
+        let same = |one: &Path, other: &Path| one.components == other.components;
+        same(&self.path, &other.path) && same(&self.chaos, &other.chaos)
     }
 }
 

@@ -6,6 +6,7 @@ use crate::draw::page::table;
 use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark, escape};
 use crate::fault::Fault;
 use crate::text::three_digits;
+use crate::write::outputs::ordinary;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -91,6 +92,7 @@ pub(super) fn read(path: &Path) -> Result<Peers, Fault> {
         value: format!("{} ({e})", path.display()),
         expected: "a file peers.json written by benches/peers",
     };
+    ordinary("--peers", path)?;
     let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
     serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))
 }

@@ -2,6 +2,7 @@
 
 use crate::args::{MethodName, ReachName, RunArgs};
 use crate::fault::Fault;
+use crate::text::say;
 use crate::write::checkpoint::unfinished;
 use crate::write::lock::beside;
 use crate::write::outputs::apart;
@@ -22,7 +23,7 @@ pub(crate) fn check(args: &RunArgs) -> Result<(), Fault> {
         ("--checkpoint, by its lock,", lock.as_deref()),
     ])?;
     for (option, why) in without_effect(args) {
-        eprintln!("note: {option} changes nothing: {why}");
+        say(&format!("note: {option} changes nothing: {why}"));
     }
     Ok(())
 }

@@ -4,6 +4,7 @@ use crate::draw::samples::Picture;
 use crate::fault::Fault;
 use crate::run::progress::Progress;
 use crate::run::signals;
+use crate::text::say;
 use crate::write::checkpoint::Saver;
 use crate::write::csv::{Mark, Row, Rows};
 use crate::write::lock::{self, unwritten};
@@ -98,7 +99,7 @@ impl<'a, T: Float> Watch<'a, T> {
             (table, _) => (false, table),
         };
         if let Some(path) = &self.plot {
-            self.drawing = Some(lock::create(path)?);
+            self.drawing = Some(lock::open(path)?);
         }
         if let (Some(table), Some((path, mark))) = (table, &self.out) {
             let rows = if is_new {
@@ -109,7 +110,7 @@ impl<'a, T: Float> Watch<'a, T> {
             self.rows = Some(rows.map_err(|e| unwritten(path, e))?);
         }
         if let Some(resumed) = &self.resumed {
-            resumed.notes.iter().for_each(|note| eprintln!("{note}"));
+            resumed.notes.iter().for_each(|note| say(note));
         }
         Ok(())
     }

@@ -9,6 +9,7 @@ use crate::args::number;
 use crate::draw::samples::Picture;
 use crate::fault::Fault;
 use crate::write::csv::Mark;
+use crate::write::lock::unwritten;
 use equip_integrate::Checkpoint;
 use equip_scalar::DoubleDouble;
 use equip_scenes::Instance;
@@ -97,10 +98,7 @@ impl Saver {
         table: Option<Mark>,
         picture: Option<Picture>,
     ) -> Result<(), Fault> {
-        let fault = |source| Fault::Write {
-            path: self.path.clone(),
-            source,
-        };
+        let fault = |source| unwritten(&self.path, source);
         let saved = Saved {
             scene: self.scene.to_owned(),
             parameters: self.parameters.clone(),

@@ -66,9 +66,19 @@ pub(crate) struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    pub(crate) fn new(plot: &'a Path, csv: Option<&'a Path>) -> Self {
+    /// # Errors
+    /// [`Fault::Write`] if a file is to be in a directory that is not there.
+    pub(crate) fn new(plot: &'a Path, csv: Option<&'a Path>) -> Result<Self, Fault> {
+        for path in [Some(plot), csv].into_iter().flatten() {
+            let directory = path
+                .parent()
+                .filter(|parent| !parent.as_os_str().is_empty());
+            if let Some(Err(source)) = directory.map(std::fs::metadata) {
+                return Err(unwritten(path, source));
+            }
+        }
         let files = None;
-        Drawing { plot, csv, files }
+        Ok(Drawing { plot, csv, files })
     }
 
     /// Makes the files, once: when the first part of the work is done, so that bad input leaves them alone.

@@ -147,6 +147,8 @@ impl<T: Float> Measured<T> {
                     energy.gradient(y, gradient);
                     kinetic_energy(y, gradient, m)
                 });
+                // No bound of rounding: the final error is compared with the energies alone.
+                seen.last = T::int(0);
             }
         }
         for watched in &mut self.watched {

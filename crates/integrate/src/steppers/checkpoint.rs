@@ -123,7 +123,10 @@ impl<T: Float> Integration<T> {
             return Err(damaged("the state"));
         }
         self.time = from.time.read_finite("the time")?;
-        from.time_low.read_finite::<T>("the time")?;
+        let low: T = from.time_low.read_finite("the time")?;
+        if low.abs() > T::EPSILON * self.time.abs() {
+            return Err(damaged("the time"));
+        }
         from.grid_start.read_finite::<T>("the time")?;
         self.index = from.index;
         self.direction = match from.goes_back {
