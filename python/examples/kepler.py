@@ -23,4 +23,4 @@ sol = equip.solve(
 # 3. Read what was kept: measured, not promised.
 print(sol.certificate)
 print(f"error after 1000 periods  {np.abs(sol.q[-1] - [0.4, 0.0]).max():.1e}")
-assert sol.success and sol.certificate.energy_kept_on_every_step
+assert sol.success and sol.certificate.energy_conserved_on_every_step

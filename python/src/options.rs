@@ -39,7 +39,7 @@ pub(crate) struct Options {
     dense: bool,
     chaos: bool,
     invariants: Vec<(String, Py<Recorded>)>,
-    keep: Vec<(String, Py<Recorded>)>,
+    preserve: Vec<(String, Py<Recorded>)>,
     events: Vec<EventOptions>,
 }
 
@@ -140,8 +140,8 @@ impl Options {
         for watched in &self.invariants {
             integrator = integrator.invariant(invariant(watched));
         }
-        for kept in &self.keep {
-            integrator = integrator.keep(invariant(kept));
+        for kept in &self.preserve {
+            integrator = integrator.preserve(invariant(kept));
         }
         for event in self.events() {
             integrator = integrator.event(event);

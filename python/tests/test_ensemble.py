@@ -24,14 +24,14 @@ def test_bits_are_those_of_single_runs_whatever_the_threads(kepler, how):
     ends = [equip.ensemble(kepler, q0, p0, (0, 30), threads=threads, **how) for threads in (1, 2, 3, 7, None)]
     assert ends[0].success and ends[0].q.shape == ends[0].p.shape == (40, 2)
     for other in ends[1:]:
-        for name in ("t", "q", "p", "energy_error", "energy_kept", "steps"):
+        for name in ("t", "q", "p", "energy_error", "energy_conserved", "steps"):
             assert np.array_equal(getattr(ends[0], name), getattr(other, name))
     for i in (0, 13, 39):
         sol = equip.solve(kepler, q0[i], p0[i], (0, 30), record="ends", **how)
         assert np.array_equal(sol.q[-1], ends[0].q[i]) and np.array_equal(sol.p[-1], ends[0].p[i])
         assert sol.certificate.energy.max == ends[0].energy_error[i] < 1e-13
         assert sol.certificate.counts.steps == ends[0].steps[i] and ends[0].t[i] == 30
-        assert sol.certificate.energy_kept_on_every_step == ends[0].energy_kept[i]
+        assert sol.certificate.energy_conserved_on_every_step == ends[0].energy_conserved[i]
 
 
 def test_failing_members_are_rows_of_nan():
@@ -45,7 +45,7 @@ def test_failing_members_are_rows_of_nan():
         and np.isnan(ends.t[[1, 3]]).all()
         and np.isfinite(ends.q[[0, 2]]).all()
     )
-    assert ends.energy_kept.tolist() == [True, False, True, False]
+    assert ends.energy_conserved.tolist() == [True, False, True, False]
 
 
 def test_shapes(kepler):
@@ -68,7 +68,7 @@ def test_progress(kepler, capsys):
     assert "10/10" in capsys.readouterr().err
 
 
-NAMES = ("t", "q", "p", "energy_error", "energy_kept", "steps")
+NAMES = ("t", "q", "p", "energy_error", "energy_conserved", "steps")
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +82,7 @@ def test_processes_make_the_bytes_of_one(kepler, pool, how):
     q0, p0 = starts(23)
     q0[7] = np.nan
     here = equip.ensemble(kepler, q0, p0, (0, 10), **how)
-    keep = {"keep": {"angular momentum": lambda q, p: q[0] * p[1] - q[1] * p[0]}}
+    keep = {"preserve": {"angular momentum": lambda q, p: q[0] * p[1] - q[1] * p[0]}}
     for chunk in (1, 5, 100):
         there = equip.ensemble(kepler, q0, p0, (0, 10), executor=pool, chunk=chunk, **how)
         assert all(getattr(here, name).tobytes() == getattr(there, name).tobytes() for name in NAMES)

@@ -12,7 +12,7 @@ import pytest
 
 import equip
 
-NAMES = ("t", "q", "p", "energy_error", "energy_kept", "steps", "lyapunov", "megno")
+NAMES = ("t", "q", "p", "energy_error", "energy_conserved", "steps", "lyapunov", "megno")
 
 
 def starts(n):
@@ -36,7 +36,7 @@ def test_saved_and_read(kepler, tmp_path, name):
     ends.save(str(tmp_path / name))
     read = equip.Ensemble.load(tmp_path / name)
     assert same(ends, read) and list(read.errors) == [2] and read.outcome.tolist() == ends.outcome.tolist()
-    assert read.q.dtype == ends.q.dtype and read.energy_kept.dtype == bool
+    assert read.q.dtype == ends.q.dtype and read.energy_conserved.dtype == bool
 
 
 def test_files_are_checked(kepler, tmp_path):
@@ -206,7 +206,7 @@ def test_checkpoints_of_other_runs_are_refused(kepler, tmp_path):
         (kepler, 2 * q0, (0, 1), {"step": 0.125}),
         (kepler, q0, (0, 2), {"step": 0.125}),
         (kepler, q0, (0, 1), {"tolerance": 1e-9, "atol": q0[0]}),
-        (kepler, q0, (0, 1), {"step": 0.125, "keep": keep}),
+        (kepler, q0, (0, 1), {"step": 0.125, "preserve": keep}),
         (kepler, q0, (0, 1), {"step": 0.125, "method": equip.Gauss(stages=8)}),
         (kepler, q0[:3], (0, 1), {"step": 0.125}),
     ]:

@@ -28,7 +28,7 @@ def test_it_moves_as_the_recorded_energy():
     options = {"method": equip.Equip(8), "tolerance": 1e-12}
     run = equip.solve(KEPLER, Q0, P0, (0, 2 * math.pi), **options)
     assert np.abs(np.concatenate([run.q[-1] - Q0, run.p[-1] - P0])).max() < 1e-10
-    assert run.certificate.energy_kept_on_every_step
+    assert run.certificate.energy_conserved_on_every_step
     assert abs(value(run.q[-1], run.p[-1]) - value(Q0, P0)) < 1e-14
     same = equip.solve(RECORDED, Q0, P0, (0, 2 * math.pi), **options)
     np.testing.assert_allclose(run.q[-1], same.q[-1], atol=1e-10)

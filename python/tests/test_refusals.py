@@ -279,7 +279,7 @@ def test_other_functions_are_named():
         ({"invariants": {"L": lambda t, q, p: t}}, r"invariants\['L'\] must be a function of \(q, p\)"),
         ({"invariants": {"L": 3}}, r"invariants\['L'\] is 3; it must be a function"),
         ({"invariants": {1: wall}}, "invariants must be a dict of functions by their names"),
-        ({"keep": [wall]}, "keep must be a dict of functions by their names"),
+        ({"preserve": [wall]}, "preserve must be a dict of functions by their names"),
         ({"method": "gauss"}, "method is 'gauss'; it must be equip.Equip"),
         ({"method": None}, "method is None; it must be"),
         ({"method": equip.Gauss}, "method is <class .*; it must be"),

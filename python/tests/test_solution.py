@@ -29,7 +29,7 @@ def sol():
 
 def test_certificate(sol):
     certificate = sol.certificate
-    assert certificate.energy_kept_on_every_step and certificate.energy_in_round_off_levels <= 8
+    assert certificate.energy_conserved_on_every_step and certificate.energy_in_round_off_levels <= 8
     assert (
         certificate.energy_round_off.round_off < 1e-14
         and certificate.energy_round_off.scale == pytest.approx(0.5)
@@ -180,7 +180,7 @@ def test_energies_that_jump(tmp_path):
     jumps = sol.certificate.energy_jumps
     assert jumps.count == sol.certificate.counts.switches_crossed == 2
     assert jumps.largest == pytest.approx(1e-3, rel=1e-6)
-    assert not sol.certificate.energy_kept_on_every_step
+    assert not sol.certificate.energy_conserved_on_every_step
     # q = t - t²/4.
     assert np.allclose(sol.q[:, 0], sol.t - sol.t**2 / 4, rtol=0, atol=1e-13)
     sol.save(tmp_path / "jumps.npz")

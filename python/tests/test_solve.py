@@ -178,9 +178,9 @@ def test_further_quantities_are_kept(kepler):
         return run.certificate.invariants[0].max
 
     # 2.3e-12 and 2.8e-14.
-    assert defect(invariants={"cubic": cubic}) > 1e-12 and defect(keep={"cubic": cubic}) < 1e-13
+    assert defect(invariants={"cubic": cubic}) > 1e-12 and defect(preserve={"cubic": cubic}) < 1e-13
     with pytest.raises(ValueError, match="2 quantities are to be conserved by 1 free"):
-        equip.solve(kepler, *START, (0, 10), step=0.1, method=equip.Equip(2), keep={"p": lambda q, p: p[0]})
+        equip.solve(kepler, *START, (0, 10), step=0.1, method=equip.Equip(2), preserve={"p": lambda q, p: p[0]})
 
 
 def test_double_double_against_the_closed_form():
@@ -326,9 +326,9 @@ def test_attributes_of_events(kepler):
 def test_the_message_names_what_was_not_kept(kepler):
     momentum = {"L": lambda q, p: q[0] * p[1] - q[1] * p[0]}
     for h, start in [(kepler, START), (kepler, ([0.4, 0.0], [0.0, 0.0001])), (equip.scenes.kepler(), START)]:
-        kept = equip.solve(h, *start, (0, 0.1), keep=momentum)
+        kept = equip.solve(h, *start, (0, 0.1), preserve=momentum)
         assert kept.message == "the end of the interval was reached"
-    sol = equip.solve(kepler, *START, (0, 10), keep={**momentum, "x": lambda q, p: q[0]}, record="ends")
+    sol = equip.solve(kepler, *START, (0, 10), preserve={**momentum, "x": lambda q, p: q[0]}, record="ends")
     assert sol.success
     off = sol.certificate.invariants[1].max
     assert sol.message.endswith(f"reached, but x was not conserved: its error is up to {off:.2g}")

@@ -171,7 +171,7 @@ def test_a_ball_bounces_step_by_step():
     steps = equip.steps(ball, [0.5], [0.0], step=0.3, events=floor)
     times = [event.t for step in takewhile(lambda step: step.t < 20, steps) for event in step.events]
     assert times == pytest.approx([2 * k + 1 for k in range(len(times))], abs=1e-13) and len(times) == 10
-    assert steps.certificate.energy_kept_on_every_step
+    assert steps.certificate.energy_conserved_on_every_step
     # The step ends at the event, in the changed state.
     steps.restart([0.5], [0.0])
     bounce = next(step for step in steps if step.events)

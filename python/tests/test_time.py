@@ -133,7 +133,7 @@ def test_recording_travels(pushed, tmp_path):
 
 def test_ensembles(pushed):
     q0, p0 = np.linspace(0, 1, 7)[:, None], np.zeros((7, 1))
-    keep = {"keep": {"q³ of nothing": lambda t, q, p: 0 * t + 0 * q[0] ** 3}}
+    keep = {"preserve": {"q³ of nothing": lambda t, q, p: 0 * t + 0 * q[0] ** 3}}
     here = equip.ensemble(pushed, q0, p0, (0, 10), threads=2)
     for i in range(7):
         assert np.array_equal(equip.solve(pushed, q0[i], p0[i], (0, 10)).q[-1], here.q[i])

@@ -221,7 +221,7 @@ fn a_casimir_that_is_not_quadratic_is_one_more_constraint() {
     let errors = [false, true].map(|is_kept| {
         let by = Equip::stages(4).step(0.2);
         let by = if is_kept {
-            by.keep(casimir())
+            by.preserve(casimir())
         } else {
             by.invariant(casimir())
         };

@@ -25,7 +25,7 @@ fn orbit(stages: usize, steps_per_period: u32, periods: f64, keep: bool) -> (Run
         .step(TAU / f64::from(steps_per_period))
         .record(Record::Ends);
     let method = if keep {
-        method.keep(lenz())
+        method.preserve(lenz())
     } else {
         method.invariant(lenz())
     };
@@ -76,7 +76,7 @@ fn the_lenz_vector_is_kept_with_the_energy_and_the_orbit_gains() {
     assert!(free.invariants[0].max > 1e-8, "{}", free.invariants[0].max);
     assert!(kept.invariants[0].max < 4e-15, "{}", kept.invariants[0].max);
     assert!(kept.energy.as_ref().unwrap().max < 4e-15);
-    assert!(kept.energy_kept_on_every_step(), "{kept}");
+    assert!(kept.energy_conserved_on_every_step(), "{kept}");
     assert!(
         error_kept < error_free / 5.0,
         "{error_kept} against {error_free}"
@@ -88,7 +88,7 @@ fn more_equations_than_alphas_are_refused() {
     let (h, start): (Hamiltonian, Start<f64>) = kepler(6);
     let run = Equip::stages(2)
         .step(0.1)
-        .keep(lenz())
+        .preserve(lenz())
         .start(&h, &start.q, &start.p, 0.0);
     let error = run.map(|_| ()).unwrap_err();
     assert_eq!(error, IntegrateError::TooFewAlphas { kept: 2, alphas: 1 });
@@ -116,7 +116,7 @@ fn as_many_invariants_as_there_are_alphas() {
         [(0, 1.0), (1, 1.5), (2, 0.7)]
             .into_iter()
             .fold(method, |method, (i, k)| match keeps {
-                true => method.keep(spring(i, k)),
+                true => method.preserve(spring(i, k)),
                 false => method.invariant(spring(i, k)),
             })
     };

@@ -130,7 +130,7 @@ fn values_that_jump_are_told() {
                         "{jumps:?}"
                     );
                     assert!(text.contains("no force comes of it"), "{text}");
-                    assert!(!certificate.energy_kept_on_every_step());
+                    assert!(!certificate.energy_conserved_on_every_step());
                 }
                 None => assert!(!(low.abs() > 0.0), "{low:e} {steep}: {text}"),
             }

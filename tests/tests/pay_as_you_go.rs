@@ -141,7 +141,7 @@ fn turning_point<T: Float>(digits: f64) {
             .unwrap();
         for _ in 0..200 {
             let view = run.advance().unwrap();
-            assert!(view.outcome.energy_kept(), "{:?}", view.outcome);
+            assert!(view.outcome.energy_conserved(), "{:?}", view.outcome);
         }
         let end = [run.view().q, run.view().p].concat();
         assert!(decimal_digits(run.certificate().energy.unwrap().max) > digits);

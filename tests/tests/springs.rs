@@ -79,7 +79,7 @@ fn energy_is_kept_beside_springs() {
             assert!(found > gauss - 0.5, "{m:?}, s = {s}, h = {h}");
             let run = chain(&with(Equip::stages(s), h, m), 20.0);
             let certificate = run.certificate();
-            assert!(certificate.energy_kept_on_every_step());
+            assert!(certificate.energy_conserved_on_every_step());
             assert!(certificate.energy_in_round_off_levels.unwrap() <= 8.0);
         }
     }

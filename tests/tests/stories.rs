@@ -54,7 +54,7 @@ fn a_loop_over_particles() {
             .step(h)
             .integrate(&rotors, &q, &p, 0.0..=10.0)
             .unwrap();
-        assert!(run.certificate().energy_kept_on_every_step());
+        assert!(run.certificate().energy_conserved_on_every_step());
         let (_, q, p) = run.last();
         [q, p].concat()
     };

@@ -110,7 +110,7 @@ pub(crate) fn run(contestant: Contestant, task: &Task<'_>, limit: Duration) -> L
     let state = [view.q, view.p].concat();
     let steps = view.index;
     let counts = *stepper.counts();
-    let kept = |outcome: &Outcome| outcome.energy_kept() || *outcome == Outcome::Quadratic;
+    let kept = |outcome: &Outcome| outcome.energy_conserved() || *outcome == Outcome::Quadratic;
     Leg {
         seconds: match ending {
             Ending::Cut => seconds * task.steps as f64 / steps as f64,

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (t, end, _) = there.last();
     let back = method.integrate(&system, end, &[1.0, 0.0], t..=0.0)?;
     println!("{}", back.certificate());
-    assert!(back.certificate().energy_kept_on_every_step());
+    assert!(back.certificate().energy_conserved_on_every_step());
     let (_, q, gradient) = back.last();
     println!("∂Q_1(30)/∂Q(0) = {gradient:.10?}");
     let f = [q[0] * (1.0 - q[1]), q[1] * (q[0] - 1.0)];

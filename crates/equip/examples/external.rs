@@ -34,6 +34,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .invariant(Invariant::new("angular momentum", angular_momentum))
         .integrate(&molecule, &[0.9, 0.0], &[0.3, 1.2], 0.0..=50.0)?;
     println!("{}", run.certificate());
-    assert!(run.certificate().energy_kept_on_every_step());
+    assert!(run.certificate().energy_conserved_on_every_step());
     Ok(())
 }

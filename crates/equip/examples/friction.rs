@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .tolerance(1e-12)
         .integrate(&damped, &[1.0], &[0.0], 0.0..=20.0)?;
     println!("{}", run.certificate());
-    assert!(run.certificate().energy_kept_on_every_step());
+    assert!(run.certificate().energy_conserved_on_every_step());
 
     let (t, q, _) = run.last();
     let rate = (1.0 - gamma * gamma / 4.0_f64).sqrt();

@@ -14,6 +14,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         0.0..=100.0,
     )?;
     println!("{}", run.certificate());
-    assert!(run.certificate().energy_kept_on_every_step());
+    assert!(run.certificate().energy_conserved_on_every_step());
     Ok(())
 }

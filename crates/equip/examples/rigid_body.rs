@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .invariant(Invariant::new("angular momentum about x", in_space))
         .integrate(&body, &q, &p, 0.0..=10.25 * period)?;
     println!("{}", run.certificate());
-    assert!(run.certificate().energy_kept_on_every_step());
+    assert!(run.certificate().energy_conserved_on_every_step());
     assert!(run.certificate().invariants.iter().all(|i| i.max < 1e-12));
 
     // After a quarter of a period ω_2 is at its largest, √((2 E I_3 − L²)/(I_2 (I_3 − I_2))) = 1.

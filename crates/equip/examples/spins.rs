@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .invariant(Invariant::new("|S_1|²", length))
         .integrate(&pair, &a, &b, 0.0..=101.0 * half)?;
     println!("{}", run.certificate());
-    assert!(run.certificate().energy_kept_on_every_step());
+    assert!(run.certificate().energy_conserved_on_every_step());
     assert!(run.certificate().invariants[0].max < 1e-13);
 
     let (_, a, b) = run.last();

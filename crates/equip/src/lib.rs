@@ -17,7 +17,7 @@
 //!
 //! // 3. Read what was conserved: measured, not promised.
 //! println!("{}", run.certificate());
-//! assert!(run.certificate().energy_kept_on_every_step());
+//! assert!(run.certificate().energy_conserved_on_every_step());
 //! # Ok(())
 //! # }
 //! ```
@@ -31,7 +31,7 @@
 //! let mut prepared = Equip::stages(4).step(0.1).prepare(&pendulum)?;
 //! for momentum in [0.5, 1.0, 1.5] {
 //!     let run = prepared.integrate(&[0.0], &[momentum], 0.0..=10.0)?;
-//!     assert!(run.certificate().energy_kept_on_every_step());
+//!     assert!(run.certificate().energy_conserved_on_every_step());
 //! }
 //! # Ok(())
 //! # }

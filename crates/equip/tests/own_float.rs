@@ -53,7 +53,7 @@ fn steps<T: Float>(stages: usize, count: i64) -> (Vec<T>, f64) {
         .step(T::ratio(1, 16))
         .integrate(&kepler, &start[..2], &start[2..], interval)
         .unwrap();
-    assert!(run.certificate().energy_kept_on_every_step());
+    assert!(run.certificate().energy_conserved_on_every_step());
     let (_, q, p) = run.last();
     let last = [q, p].concat();
     let mut energy = kepler.evaluator();

@@ -84,7 +84,7 @@ fn errors_grow_linearly_and_those_of_gauss_do_not() {
     assert!(g[0] > e[0] && g[1] > 8.0 * g[0]);
     assert!(steps_per_period(&equip) < 30.0);
     let certificate = equip.certificate();
-    assert!(certificate.energy_kept_on_every_step());
+    assert!(certificate.energy_conserved_on_every_step());
     assert!(certificate.energy_in_round_off_levels.unwrap() <= 8.0);
     // Steps are smooth: measured none refused for their error and none unsolved, of 2500; with 1e-12 92.
     let steps = certificate.variable_steps.unwrap();

@@ -156,7 +156,7 @@ fn an_energy_that_is_not_a_number_is_not_kept() {
         Ok(run) => run.certificate(),
         Err(failure) => failure.partial.as_ref().unwrap().certificate(),
     };
-    let is_kept = certificate.energy_kept_on_every_step();
+    let is_kept = certificate.energy_conserved_on_every_step();
     println!("{is_kept}, {:?}", certificate.energy);
     assert!(!is_kept);
 }

@@ -15,7 +15,11 @@ fn verdict(certificate: &Certificate<f64>) -> String {
     let verdict = first.strip_prefix(FIRST).unwrap().to_owned();
     assert_eq!(certificate.energy_conserved_to_round_off, verdict);
     let is_yes = verdict.starts_with("yes, ");
-    assert_eq!(certificate.energy_kept_on_every_step(), is_yes, "{text}");
+    assert_eq!(
+        certificate.energy_conserved_on_every_step(),
+        is_yes,
+        "{text}"
+    );
     assert!(
         text.lines().all(|line| line.chars().count() <= 100),
         "{text}"

@@ -327,7 +327,7 @@ fn a_ring_of_a_thousand_sites() {
     let found = certificate(&scene, Equip::stages(4), 0.1, 20);
     println!("{found}");
     assert_eq!(found.counts.factorisations, 0);
-    assert!(found.energy_kept_on_every_step());
+    assert!(found.energy_conserved_on_every_step());
 }
 
 #[test]

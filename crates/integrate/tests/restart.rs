@@ -125,7 +125,7 @@ fn what_is_watched_and_kept_begins_anew() {
     same_again(&kepler, &options, 30);
     let options = Equip::stages(5)
         .step(0.2)
-        .keep(Invariant::new("its cube", energy));
+        .preserve(Invariant::new("its cube", energy));
     same_again(&kepler, &options, 30);
 }
 

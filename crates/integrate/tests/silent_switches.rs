@@ -76,7 +76,7 @@ fn kinks_that_are_not_told_are_passed() {
                 let steps = certificate.counts.steps;
                 let uncorrected = certificate.counts.uncorrected();
                 let energy = certificate.energy.as_ref().unwrap().max;
-                let kept = certificate.energy_kept_on_every_step();
+                let kept = certificate.energy_conserved_on_every_step();
                 println!(
                     "{what}: {:.1e} tolerances, {steps} steps, {uncorrected} uncorrected, energy {energy:.1e}",
                     off / tolerance

@@ -43,7 +43,7 @@ fn certificate_of(
 /// Not "kept on every step", and words that say to which floor where that is the reason.
 fn is_not_kept(certificate: &Certificate<f64>, what: &str) {
     println!("{what}\n{certificate}\n");
-    assert!(!certificate.energy_kept_on_every_step(), "{what}");
+    assert!(!certificate.energy_conserved_on_every_step(), "{what}");
     let text = certificate.to_string();
     assert!(
         text.lines().all(|line| line.chars().count() <= 100),
@@ -100,7 +100,10 @@ fn angles_beyond_all_digits_keep_nothing() {
             .step(0.1)
             .integrate(&pendulum, &[start], &[0.0], 0.0..=10.0)
             .unwrap();
-        assert!(run.certificate().energy_kept_on_every_step(), "{start}");
+        assert!(
+            run.certificate().energy_conserved_on_every_step(),
+            "{start}"
+        );
     }
 }
 
@@ -110,7 +113,10 @@ fn an_overflow_keeps_nothing() {
     for method in [Equip::stages(4), Gauss::stages(4)] {
         let made = method.step(0.01).integrate(&h, &[0.0], &[0.0], 0.0..=1.0);
         let certificate = certificate_of(made);
-        assert!(!certificate.energy_kept_on_every_step(), "{certificate}");
+        assert!(
+            !certificate.energy_conserved_on_every_step(),
+            "{certificate}"
+        );
     }
 }
 
@@ -126,7 +132,7 @@ fn a_quadratic_energy_is_judged_by_its_defect() {
         let round_off = run.certificate().energy_round_off.unwrap();
         let defect = run.certificate().energy.as_ref().unwrap().max;
         assert!((round_off.round_off - defect).abs() < f64::MIN_POSITIVE);
-        run.certificate().energy_kept_on_every_step()
+        run.certificate().energy_conserved_on_every_step()
     };
     let written_out = Hamiltonian::new(1, move |q, p| {
         0.5 * (p[0] * p[0] + q[0] * q[0]) - centre * q[0] + 0.5 * centre * centre

@@ -59,7 +59,7 @@ fn closed_forms_in_both_precisions() {
     let certificate = run.certificate();
     println!("{error:.1e}, {} steps", run.len() - 1);
     // Measured 1e-13.
-    assert!(error < 2e-12 && certificate.energy_kept_on_every_step());
+    assert!(error < 2e-12 && certificate.energy_conserved_on_every_step());
     assert!(certificate.energy.as_ref().unwrap().max < 2e-14);
     assert_eq!(certificate.energy.as_ref().unwrap().start, 0.0);
 
@@ -341,7 +341,7 @@ fn functions_that_do_not_fit_are_refused() {
     // Watched it may be either, kept it has to be one of time.
     let kept = options
         .clone()
-        .keep(Invariant::new("L³", with_time.clone()))
+        .preserve(Invariant::new("L³", with_time.clone()))
         .invariant(plain.clone())
         .integrate(&h, &start.0, &start.1, 0.0..=5.0)
         .unwrap();
@@ -353,7 +353,7 @@ fn functions_that_do_not_fit_are_refused() {
     );
     let error = options
         .clone()
-        .keep(plain)
+        .preserve(plain)
         .start(&h, &start.0, &start.1, 0.0)
         .unwrap_err();
     assert!(error.to_string().contains("with_time"), "{error}");

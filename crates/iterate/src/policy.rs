@@ -20,7 +20,7 @@ pub(crate) const NOISY: f64 = 16.0;
 /// the angular momentum of Kepler's problem, e = 0.3, s = 4, drifts by 1e-19 a step; with 64 that of the
 /// outer solar system, s = 4, 200 days, drifts by 5 times a random walk in 10⁶ steps; 2 % more iterations
 /// than with 64; docs/adr/0021.
-pub(crate) const SETTLED: f64 = 256.0;
+pub(crate) const CONVERGED: f64 = 256.0;
 /// If this many changes in a row do not shrink, the changes do not shrink. After as many linearised
 /// iterations their effect on the end point is known. // iterations; with 2 Gauss takes 4 % fewer iterations;
 /// with 6 it takes 4.8 times as many on the grid, spent where it does not converge.

@@ -188,9 +188,9 @@ impl<T: Float> StepTangent<T> {
             return false;
         }
         let sides = (self.r.as_slice(), self.x.as_mut_slice());
-        let to_rest = (self.iterate.inverse_scale(), tolerance);
+        let to_tolerance = (self.iterate.inverse_scale(), tolerance);
         let m = self.choice.operator();
         self.linear
-            .solve(Held::Start, sides, to_rest, &self.iterate, m)
+            .solve(Held::Start, sides, to_tolerance, &self.iterate, m)
     }
 }

@@ -30,8 +30,8 @@ use equip_scalar::Float;
 /// ```
 pub fn b_residual<T: Float>(tableau: &Tableau<T>, p: usize) -> T {
     let values = polynomials_at_nodes(tableau, p);
-    let defect = |(k, p_k): (usize, &Vec<T>)| dot(&tableau.b, p_k) - delta(k);
-    largest(values.iter().enumerate().map(defect))
+    let residual = |(k, p_k): (usize, &Vec<T>)| dot(&tableau.b, p_k) - delta(k);
+    largest(values.iter().enumerate().map(residual))
 }
 
 /// C(η): the stage values satisfy the collocation conditions up to degree η. Gauss satisfies C(s).
@@ -177,8 +177,8 @@ fn at_nodes<T: Float>(tableau: &Tableau<T>, n: usize, functions: fn(T, &mut [T])
 
 /// The largest absolute value; NaN if any value is NaN; 0 for an empty iterator.
 pub(crate) fn largest<T: Float>(defects: impl Iterator<Item = T>) -> T {
-    defects.fold(T::int(0), |worst, defect| {
-        let size = defect.abs();
+    defects.fold(T::int(0), |worst, residual| {
+        let size = residual.abs();
         if size > worst || size.is_nan() {
             size
         } else {

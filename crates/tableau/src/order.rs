@@ -22,7 +22,7 @@ use equip_scalar::Float;
 /// assert_eq!(order(&Tableau::<f64>::radau_iia(), 1e-12), 3);
 /// ```
 pub fn order<T: Float>(tableau: &Tableau<T>, tolerance: T) -> usize {
-    let holds = |defect: T| defect <= tolerance;
+    let holds = |residual: T| residual <= tolerance;
     let (mut lower, mut upper) = (0, 2 * tableau.stages());
     // Without C(1) the c_i are not the row sums of A, and the simplifying assumptions do not apply.
     if holds(c_residual(tableau, 1)) {
@@ -56,8 +56,8 @@ fn order_by_trees<T: Float>(tableau: &Tableau<T>, tolerance: T, limit: usize) ->
     let mut walk = Walk::new(tableau);
     // The first violated tree has one vertex more than the order.
     let violated = |tree: &&Tree| {
-        let defect = walk.defect(tree).abs();
-        defect.is_nan() || defect > tolerance
+        let residual = walk.residual(tree).abs();
+        residual.is_nan() || residual > tolerance
     };
     trees
         .all()

@@ -125,7 +125,7 @@ impl<'t, T: Float> Walk<'t, T> {
     }
 
     /// The residual Σ b_i φ_i(t) − 1/γ(t) of the next tree.
-    pub(crate) fn defect(&mut self, tree: &Tree) -> T {
+    pub(crate) fn residual(&mut self, tree: &Tree) -> T {
         let mut phi = vec![T::int(1); self.tableau.stages()];
         for &branch in &tree.branches {
             for (phi_i, &image_i) in phi.iter_mut().zip(&self.images[branch]) {
@@ -150,5 +150,5 @@ impl<'t, T: Float> Walk<'t, T> {
 pub fn order_conditions<T: Float>(tableau: &Tableau<T>, p: usize) -> T {
     let trees = Trees::up_to(p);
     let mut walk = Walk::new(tableau);
-    largest(trees.all().iter().map(|tree| walk.defect(tree)))
+    largest(trees.all().iter().map(|tree| walk.residual(tree)))
 }

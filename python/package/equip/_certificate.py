@@ -105,7 +105,7 @@ class Certificate:
     """
 
     #: What the first line says: "yes, on every step", "NO: " with the reasons, or "not requested" with the
-    #: largest error, as of Gauss's method. `energy_kept_on_every_step` is the same as a boolean.
+    #: largest error, as of Gauss's method. `energy_conserved_on_every_step` is the same as a boolean.
     energy_conserved_to_round_off: str
     method: str
     #: "f64" or "dd".
@@ -138,7 +138,7 @@ class Certificate:
     outcomes: dict[str, int]
     #: Whether every step conserved the energy to round-off, and neither the round-off level nor the error at
     #: the end is large compared with the energies.
-    energy_kept_on_every_step: bool
+    energy_conserved_on_every_step: bool
     seconds: float
     text: str
 
@@ -190,7 +190,7 @@ class Certificate:
                     "energy_in_round_off_levels",
                     "lyapunov",
                     "megno",
-                    "energy_kept_on_every_step",
+                    "energy_conserved_on_every_step",
                     "motion_is_resolved",
                     "seconds",
                     "text",

@@ -60,7 +60,7 @@ def options(
     rtol: Any = None,
     atol: Any = None,
     invariants: Optional[Mapping[str, Function]] = None,
-    keep: Optional[Mapping[str, Function]] = None,
+    preserve: Optional[Mapping[str, Function]] = None,
     measure_energy: bool = True,
     chaos: bool = False,
 ) -> dict[str, Any]:
@@ -98,7 +98,7 @@ def options(
         "rtol": _errors(rtol, h.shape, "rtol"),
         "atol": _errors(atol, h.shape, "atol"),
         "invariants": _quantities(invariants, h, "invariants"),
-        "keep": _quantities(keep, h, "keep"),
+        "preserve": _quantities(preserve, h, "preserve"),
         "measure_energy": truth(measure_energy, "measure_energy"),
         "chaos": truth(chaos, "chaos"),
         "t_eval": ([], []),
@@ -111,7 +111,7 @@ def options(
 def _quantities(
     functions: Optional[Mapping[str, Function]], h: Hamiltonian, argument: str
 ) -> list[tuple[str, _native.Recorded]]:
-    """Recordings by name, of `invariants` or `keep`."""
+    """Recordings by name, of `invariants` or `preserve`."""
     if functions is None:
         return []
     if not isinstance(functions, Mapping) or not all(isinstance(name, str) for name in functions):
@@ -157,7 +157,7 @@ def solve(
     dense_output: bool = False,
     events: Union[None, Event, Sequence[Event]] = None,
     invariants: Optional[Mapping[str, Function]] = None,
-    keep: Optional[Mapping[str, Function]] = None,
+    preserve: Optional[Mapping[str, Function]] = None,
     record: Union[int, Literal["ends"]] = 1,
     measure_energy: bool = True,
     chaos: bool = False,
@@ -205,7 +205,7 @@ def solve(
         the same time all change the state, in their order here. A root at the start is not reported.
     invariants
         Further quantities f(q, p) by name, whose errors the certificate shows; of (t, q, p) where H is.
-    keep
+    preserve
         Further quantities f(q, p) by name that are kept like the energy; for those that are not quadratic.
         `Solution.message` names those that were not kept.
     record
@@ -271,7 +271,7 @@ def solve(
         rtol=rtol,
         atol=atol,
         invariants=invariants,
-        keep=keep,
+        preserve=preserve,
         measure_energy=measure_energy,
         chaos=chaos,
     )
@@ -346,11 +346,11 @@ def _check_end(found: dict[str, Any], path: Optional[str], start: float, end: fl
 
 
 def _not_kept(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any]) -> str:
-    """Which quantities of `keep` were not kept, in words; empty if all were."""
+    """Which quantities of `preserve` were not kept, in words; empty if all were."""
     y = found["y"][0].reshape(-1, 2, h.degrees_of_freedom)
     t = found["t"][0]
     texts = []
-    for (name, recorded), defect in zip(given["keep"], found["certificate"]["invariants"]):
+    for (name, recorded), defect in zip(given["preserve"], found["certificate"]["invariants"]):
         off = defect[2]
         quantity = of_recording(recorded, h.shape)
         q, p = (y[:, part].reshape(-1, *h.shape) for part in (0, 1))

@@ -182,7 +182,7 @@ def steps(
     deviations: Any = None,
     events: Union[None, Event, Sequence[Event]] = None,
     invariants: Optional[Mapping[str, Function]] = None,
-    keep: Optional[Mapping[str, Function]] = None,
+    preserve: Optional[Mapping[str, Function]] = None,
     measure_energy: bool = True,
     first_step: Optional[float] = None,
     min_step: float = 0.0,
@@ -205,7 +205,7 @@ def steps(
     step, tolerance
         A fixed step, negative to go back in time, or an error per step relative to the
         motion within it: one of them. Without both, the tolerance is 1e-12.
-    invariants, keep
+    invariants, preserve
         Further quantities f(q, p) by name that the certificate shows, and that are kept like the energy; of
         (t, q, p) where H is.
     measure_energy
@@ -249,7 +249,7 @@ def steps(
         rtol=rtol,
         atol=atol,
         invariants=invariants,
-        keep=keep,
+        preserve=preserve,
         measure_energy=measure_energy,
     )
     n = 2 * int(np.prod(h.shape))

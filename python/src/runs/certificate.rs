@@ -79,8 +79,8 @@ pub(crate) fn certificate<'py, T: Float>(
     }
     let outcomes = Outcome::ALL.map(|outcome| (outcome.label(), counts.outcome(outcome)));
     dict.set_item("outcomes", outcomes.to_vec())?;
-    let kept = certificate.energy_kept_on_every_step();
-    dict.set_item("energy_kept_on_every_step", kept)?;
+    let kept = certificate.energy_conserved_on_every_step();
+    dict.set_item("energy_conserved_on_every_step", kept)?;
     dict.set_item("seconds", certificate.seconds)?;
     Ok(dict)
 }

@@ -118,7 +118,7 @@ fn end(run: &Run<f64>) -> End {
         y: [q, p].concat(),
         energy_error: certificate.energy.as_ref().map_or(f64::NAN, |e| e.max),
         steps: certificate.counts.steps,
-        is_kept: certificate.energy_kept_on_every_step(),
+        is_kept: certificate.energy_conserved_on_every_step(),
         chaos: (certificate.chaos).map_or([f64::NAN; 2], |chaos| [chaos.lyapunov, chaos.megno]),
     }
 }

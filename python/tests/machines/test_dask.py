@@ -10,7 +10,7 @@ import pytest
 import equip
 
 distributed = pytest.importorskip("distributed")
-NAMES = ("t", "q", "p", "energy_error", "energy_kept", "steps")
+NAMES = ("t", "q", "p", "energy_error", "energy_conserved", "steps")
 
 
 @pytest.fixture

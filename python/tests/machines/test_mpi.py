@@ -39,7 +39,7 @@ if __name__ == "__main__":
         for chunk in (1, 5):
             there = equip.ensemble(h, q0, p0, (0, 50), executor=pool, chunk=chunk)
             here = equip.ensemble(h, q0, p0, (0, 50))
-            for name in ("t", "q", "p", "energy_error", "energy_kept", "steps"):
+            for name in ("t", "q", "p", "energy_error", "energy_conserved", "steps"):
                 assert getattr(here, name).tobytes() == getattr(there, name).tobytes(), name
             assert here.errors == there.errors and list(there.errors) == [7]
         outputs = equip.ensemble(h, q0, p0, (0, 50), executor=pool, chunk=1, output=rank).outputs

@@ -43,4 +43,4 @@ def test_coupled_equations():
     fine = np.abs(np.exp(ours.y) - theirs(diffrax.Dopri8(), stepsize_controller=control)).max()
     print("largest difference", plain, fine)
     assert plain < 1e-4 and fine < 1e-8
-    assert ours.certificate.energy_kept_on_every_step
+    assert ours.certificate.energy_conserved_on_every_step

@@ -57,7 +57,7 @@ def test_the_restricted_three_body_problem():
     # Printed there.
     printed = [-0.58042685, 0.54661332, -0.36418594, -0.83390023, -0.62399926, 0.38281904]
     assert np.allclose(ours.y[-1], printed, rtol=0, atol=6e-9)
-    assert ours.certificate.energy_kept_on_every_step
+    assert ours.certificate.energy_conserved_on_every_step
 
 
 # The outer solar system: Sun with the inner planets, Jupiter, Saturn, Uranus, Neptune and Pluto, in astronomical
@@ -106,4 +106,4 @@ def test_the_outer_solar_system():
     print("largest difference in astronomical units", difference)
     assert difference < 1e-8
     assert np.abs(ours.p[-1] / m - state[:, 3:]).max() < 1e-8
-    assert ours.certificate.energy_kept_on_every_step
+    assert ours.certificate.energy_conserved_on_every_step

@@ -53,4 +53,4 @@ def test_lotka_and_volterra():
     # As that page has it, with the default method and tolerance of 1e-3.
     coarse = solve_ivp(slope, [0, 15], [10, 5], t_eval=times)
     assert np.abs(np.exp(ours.y) - coarse.y.T).max() < 10
-    assert ours.certificate.energy_kept_on_every_step
+    assert ours.certificate.energy_conserved_on_every_step

@@ -173,7 +173,7 @@ fn refuses<T: Float>() {
     );
     let partial = failure.partial.unwrap();
     assert_eq!(partial.last().0, time);
-    assert!(partial.certificate().energy_kept_on_every_step());
+    assert!(partial.certificate().energy_conserved_on_every_step());
 }
 
 #[test]

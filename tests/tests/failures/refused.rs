@@ -307,7 +307,7 @@ fn more_to_keep_than_alphas_to_keep_it_with() {
         p[1] * (q[0] * p[1] - q[1] * p[0]) - q[0] / q[0].hypot(q[1])
     });
     let runge_lenz = Invariant::new("Laplace-Runge-Lenz x", runge_lenz.unwrap());
-    let options = |method: Method| method.step(0.05).keep(runge_lenz.clone());
+    let options = |method: Method| method.step(0.05).preserve(runge_lenz.clone());
     for (method, alphas) in [
         (Equip::stages(2), 1),
         (Equip::stages(6).alphas(Alphas::Last), 1),

@@ -58,7 +58,7 @@ pub(super) fn energy_is_as_claimed(case: &Case, ran: &Ran) -> f64 {
         let (defect, noise) = ((h - h0).to_f64().abs(), noise + noise0);
         if !noise.is_finite() {
             assert!(
-                !seen.outcome.energy_kept(),
+                !seen.outcome.energy_conserved(),
                 "{:?} where H is infinite",
                 seen.outcome
             );
@@ -79,7 +79,7 @@ pub(super) fn energy_is_as_claimed(case: &Case, ran: &Ran) -> f64 {
                 .fold(value.abs(), |sum, (g, y)| sum + (g * y).abs());
             quadratic_floor = quadratic_floor.max(f64::EPSILON * scale);
             largest = largest.max(defect / (quadratic_floor + noise));
-        } else if seen.outcome.energy_kept() {
+        } else if seen.outcome.energy_conserved() {
             let floor = seen.floor.unwrap();
             assert!(
                 defect <= 8.0 * floor + noise,

@@ -115,7 +115,7 @@ pub(crate) fn by_differences<T: Float>(
 ) -> Result<(), WrongGradient<T>> {
     let (m, two, many) = (y.len() / 2, T::int(2), T::int(16));
     let share = T::EPSILON.sqrt().sqrt();
-    let largest_slope = largest(given);
+    let largest_derivative = largest(given);
     let mut point = y.to_vec();
     for (component, &given) in given.iter().enumerate() {
         let half = if component < m { &y[..m] } else { &y[m..] };
@@ -142,7 +142,7 @@ pub(crate) fn by_differences<T: Float>(
                 wrong = Some(fine);
                 break;
             }
-            let trusted = many * (fine - coarse).abs() + rounding + share * largest_slope;
+            let trusted = many * (fine - coarse).abs() + rounding + share * largest_derivative;
             if !((given - fine).abs() > trusted) {
                 wrong = None;
                 break;

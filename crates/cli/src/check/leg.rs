@@ -231,7 +231,10 @@ impl<T: Float> Watch<T> {
             self.y.extend_from_slice(view.p);
             self.watched.iter_mut().for_each(|w| w.see(&self.y));
         }
-        let Some(round_off) = view.energy_round_off.filter(|_| view.outcome.energy_kept()) else {
+        let Some(round_off) = view
+            .energy_round_off
+            .filter(|_| view.outcome.energy_conserved())
+        else {
             return;
         };
         raise(&mut self.leg.levels, in_levels(error, round_off.to_f64()));

@@ -120,7 +120,7 @@ struct Document<'a> {
     energy_round_off: Option<RoundOff>,
     phase_per_step: Option<Phase>,
     motion_is_resolved: bool,
-    energy_kept_on_every_step: bool,
+    energy_conserved_on_every_step: bool,
     invariants: Vec<Quantity>,
     outcomes: BTreeMap<&'static str, u64>,
     /// Steps whose energy error was left, for whatever reason.
@@ -176,7 +176,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             step: Number::new(phase.step),
         }),
         motion_is_resolved: certificate.motion_is_resolved(),
-        energy_kept_on_every_step: certificate.energy_kept_on_every_step(),
+        energy_conserved_on_every_step: certificate.energy_conserved_on_every_step(),
         invariants: certificate.invariants.iter().map(quantity).collect(),
         outcomes: Outcome::ALL
             .iter()

@@ -281,7 +281,7 @@ impl<T: Float> Decay<T> {
     /// Writes an approximation of the residual of the polynomial, h γ_{s−2} + h γ_{s−1} of the estimated
     /// components and zero for others, to `out`. It has two terms because one of two successive coefficients
     /// may vanish.
-    pub(crate) fn defect(&self, out: &mut [T]) {
+    pub(crate) fn residual(&self, out: &mut [T]) {
         for (c, (out, &unit)) in out.iter_mut().zip(&self.inverse_units).enumerate() {
             let row = &self.coefficients[c * self.stride..][..self.s];
             let is_moving = unit > T::int(0);

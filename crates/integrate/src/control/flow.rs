@@ -51,7 +51,7 @@ impl<T: Float> Flow<T> {
         (y, h): (&[T], T),
         estimated: &Decay<T>,
     ) -> f64 {
-        estimated.defect(&mut self.d);
+        estimated.residual(&mut self.d);
         let before = estimated.in_units(&self.d);
         for _ in 0..2 {
             energy.jacobian_vector(y, &self.d, &mut self.product);

@@ -120,7 +120,7 @@ impl<T: Float> Integrator<T> {
     /// of such invariants. If H depends on time, the invariant must be traced [with
     /// time](equip_autodiff::Hamiltonian::with_time) as well.
     #[must_use]
-    pub fn keep(mut self, invariant: Invariant) -> Self {
+    pub fn preserve(mut self, invariant: Invariant) -> Self {
         self.options.kept.push(invariant);
         self
     }

@@ -118,7 +118,7 @@ impl<T: Float> Measured<T> {
         }
         let LastStep { y, m, h_ref, .. } = *last;
         let now = (last.time, last.h.abs() / last.elapsed);
-        let seen = (self.energy_round_off.as_mut()).filter(|_| last.outcome.energy_kept());
+        let seen = (self.energy_round_off.as_mut()).filter(|_| last.outcome.energy_conserved());
         if self.is_solved {
             let constraint = &core.constraints()[0];
             self.round_off = Some(constraint.round_off());

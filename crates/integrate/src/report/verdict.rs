@@ -13,8 +13,8 @@ impl<T: Float> Certificate<T> {
     /// level, or quadratic; a halved step has the outcome of its worse half. In addition neither the
     /// round-off level nor the final error may be large compared with the energies ([`EnergyRoundOff`]). An
     /// energy that was infinite or NaN, has jumped, or underflows was not conserved.
-    pub fn energy_kept_on_every_step(&self) -> bool {
-        self.counts.outcome(Outcome::NotAsked) == 0 && self.reason().is_none()
+    pub fn energy_conserved_on_every_step(&self) -> bool {
+        self.counts.outcome(Outcome::NotRequested) == 0 && self.reason().is_none()
     }
 
     /// This certificate with its first line.
@@ -24,7 +24,7 @@ impl<T: Float> Certificate<T> {
     }
 
     fn verdict(&self) -> String {
-        if self.counts.outcome(Outcome::NotAsked) > 0 {
+        if self.counts.outcome(Outcome::NotRequested) > 0 {
             return format!("not requested; {}", self.largest_error());
         }
         match self.reason() {

@@ -4,7 +4,7 @@ use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
 use crate::options::common::Options;
 use crate::steppers::integration::Integration;
-use crate::tangent::chaos::{Chaos, any_deviation};
+use crate::tangent::chaos::{Chaos, any_tangent_vector};
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
@@ -30,7 +30,7 @@ pub(crate) fn chaos_of_run<T: Float>(
     if !options.chaos {
         return Ok(None);
     }
-    let mut chaos = Chaos::of(system, run, &any_deviation(2 * run.m));
+    let mut chaos = Chaos::of(system, run, &any_tangent_vector(2 * run.m));
     if let Some(memory) = from.and_then(|from| from.chaos.as_ref()) {
         chaos.restore(memory)?;
     }

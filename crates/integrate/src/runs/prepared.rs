@@ -25,7 +25,7 @@ use std::ops::RangeInclusive;
 ///     for _ in 0..100 {
 ///         run.advance()?;
 ///     }
-///     assert!(run.certificate().energy_kept_on_every_step());
+///     assert!(run.certificate().energy_conserved_on_every_step());
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -60,7 +60,7 @@ impl Method {
     /// let method = Equip::stages(4);
     /// let h = method.suggest_step(&pendulum, &[0.0], &[1.5], 0.0..=10.0, Target::Trajectory(1e-9))?;
     /// let run = method.step(h).integrate(&pendulum, &[0.0], &[1.5], 0.0..=10.0)?;
-    /// assert!(h > 0.05 && run.certificate().energy_kept_on_every_step());
+    /// assert!(h > 0.05 && run.certificate().energy_conserved_on_every_step());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

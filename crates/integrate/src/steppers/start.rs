@@ -86,7 +86,7 @@ impl<T: Float> Integration<T> {
             gradient,
             measured,
             check_gradient: options.check_gradient,
-            last: (zero, Outcome::NotAsked),
+            last: (zero, Outcome::NotRequested),
             begun: Stopwatch::start(),
             fingerprint: integrator.words(),
             start: vec![zero; 2 * m],
@@ -119,7 +119,7 @@ impl<T: Float> Integration<T> {
         self.direction = direction;
         self.start[..self.m].copy_from_slice(q0);
         self.start[self.m..].copy_from_slice(p0);
-        self.last = (T::int(0), Outcome::NotAsked);
+        self.last = (T::int(0), Outcome::NotRequested);
         let at = (&self.y.hi[..], &self.gradient[..]);
         self.measured.restart(t0, self.h_ref, at);
         self.begun = Stopwatch::start();

@@ -120,7 +120,7 @@ impl<T: Float> Chaos<T> {
 }
 
 /// A default tangent vector: no component vanishes, and no two components are equal.
-pub(crate) fn any_deviation<T: Float>(n: usize) -> Vec<T> {
+pub(crate) fn any_tangent_vector<T: Float>(n: usize) -> Vec<T> {
     (1..=n).map(|j| T::int(j as i64).sin()).collect()
 }
 

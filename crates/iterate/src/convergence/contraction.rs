@@ -16,7 +16,7 @@
 //! of a few roundings. The bound holds for Δ_n itself because the last change alters a quadratic invariant
 //! yᵀCy by 2 Σ_i L_iᵀ C Δ_n,i in the step; this does not average out over the steps (docs/adr/0021).
 
-use crate::policy::{FAR, NOISY, SETTLED, SLOW, STAGE_ROUNDING, STILL};
+use crate::policy::{CONVERGED, FAR, NOISY, SLOW, STAGE_ROUNDING, STILL};
 use equip_scalar::power::power;
 
 /// The state of the iteration after a change of Z.
@@ -25,7 +25,7 @@ pub enum Progress {
     /// The iteration continues.
     Contracts,
     /// Converged: Z solves the equations to round-off.
-    Settled,
+    Converged,
     /// The changes do not shrink.
     Diverges,
 }
@@ -172,9 +172,9 @@ impl Contraction {
         }
         let error = self.error();
         let is_known = compares || self.worst > 0.0 || (change <= 4.0 * eps && !is_remeasured);
-        let is_settled = is_known && error.max(self.left) <= eps / SETTLED;
-        if is_settled || self.still >= STILL || self.stalled >= 4 * STILL {
-            Progress::Settled
+        let has_converged = is_known && error.max(self.left) <= eps / CONVERGED;
+        if has_converged || self.still >= STILL || self.stalled >= 4 * STILL {
+            Progress::Converged
         } else {
             Progress::Contracts
         }
@@ -288,7 +288,7 @@ mod tests {
         assert_eq!(contraction.observe(f64::NAN, false), Progress::Diverges);
         contraction.begin(false);
         let seen = [1e-8, 1e-13, 2e-15, 2e-15, 2e-15, 2e-15].map(|x| contraction.observe(x, false));
-        assert!(seen.contains(&Progress::Settled), "{seen:?}");
+        assert!(seen.contains(&Progress::Converged), "{seen:?}");
     }
 
     /// Roundings may run through a cycle in which changes shrink as often as they grow.

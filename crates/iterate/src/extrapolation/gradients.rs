@@ -30,7 +30,7 @@ use std::array::from_fn;
 use std::ops::Range;
 
 /// The extrapolation of the gradients.
-pub(crate) struct Foretell<'a, T> {
+pub(crate) struct Extrapolate<'a, T> {
     pub(crate) prolongation: View<'a, T>,
     /// L of the last step, all components.
     pub(crate) l: &'a [T],
@@ -46,7 +46,7 @@ pub(crate) struct Foretell<'a, T> {
     pub(crate) s: usize,
 }
 
-impl<T: Float> Kernel for Foretell<'_, T> {
+impl<T: Float> Kernel for Extrapolate<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -55,7 +55,7 @@ impl<T: Float> Kernel for Foretell<'_, T> {
     }
 }
 
-impl<T: Float> Foretell<'_, T> {
+impl<T: Float> Extrapolate<'_, T> {
     #[inline(always)]
     fn groups<const N: usize>(&mut self, groups: usize) {
         let (s, m) = (self.s, self.m);
@@ -73,7 +73,7 @@ impl<T: Float> Foretell<'_, T> {
             for g in 0..groups {
                 let gradient = self
                     .prolongation
-                    .foretell_group(row, (g, s), sign, at_start);
+                    .extrapolate_group(row, (g, s), sign, at_start);
                 gradients[c * groups + g] = likely(&gradient, &hb[g], most);
             }
         }

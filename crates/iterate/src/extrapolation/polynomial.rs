@@ -115,7 +115,7 @@ impl<T: Float> View<'_, T> {
 
     /// The extrapolated gradient for the group g of stages, from the Legendre coefficients.
     #[inline(always)]
-    pub(crate) fn foretell_group<const N: usize>(
+    pub(crate) fn extrapolate_group<const N: usize>(
         &self,
         coefficients: &[[T; N]],
         (g, s): (usize, usize),
@@ -123,13 +123,13 @@ impl<T: Float> View<'_, T> {
         at_start: T,
     ) -> [T; N] {
         let guess = product_any(self.at_nodes.as_chunks::<N>().0, coefficients, g, s);
-        foretold(&guess, &self.rho.as_chunks::<N>().0[g], sign, at_start)
+        extrapolated(&guess, &self.rho.as_chunks::<N>().0[g], sign, at_start)
     }
 }
 
 /// ± E L + ρ ∇H(y0).
 #[inline(always)]
-pub(crate) fn foretold<T: Float, const N: usize>(
+pub(crate) fn extrapolated<T: Float, const N: usize>(
     guess: &[T; N],
     rho: &[T; N],
     sign: T,
@@ -220,9 +220,9 @@ mod tests {
                     *l = [-(h * b * power(c))];
                 }
                 let found = match crate::layout::row::lanes_of::<T>(s) {
-                    4 => foretold::<T, 4>(&made, l.as_flattened(), s, power(start)),
-                    8 => foretold::<T, 8>(&made, l.as_flattened(), s, power(start)),
-                    _ => foretold::<T, 1>(&made, l.as_flattened(), s, power(start)),
+                    4 => extrapolated::<T, 4>(&made, l.as_flattened(), s, power(start)),
+                    8 => extrapolated::<T, 8>(&made, l.as_flattened(), s, power(start)),
+                    _ => extrapolated::<T, 1>(&made, l.as_flattened(), s, power(start)),
                 };
                 for (&found, &c) in found.iter().zip(gauss.nodes()) {
                     let error = (found - power(start + ratio * c)).abs().to_f64();
@@ -232,7 +232,7 @@ mod tests {
         }
     }
 
-    fn foretold<T: Float, const N: usize>(
+    fn extrapolated<T: Float, const N: usize>(
         made: &Polynomial<T>,
         l: &[T],
         s: usize,
@@ -242,7 +242,7 @@ mod tests {
         let mut room = vec![[T::int(0); N]; l.len()];
         let coefficients = view.coefficients(l, &mut room, s);
         (0..l.len())
-            .flat_map(|g| view.foretell_group(coefficients, (g, s), T::int(1), at_start))
+            .flat_map(|g| view.extrapolate_group(coefficients, (g, s), T::int(1), at_start))
             .collect()
     }
 

@@ -1,6 +1,6 @@
 //! The initial guess of a step: Z = 0, or the extrapolation from the last step.
 
-use crate::extrapolation::gradients::{Foretell, Resolve, Sizes};
+use crate::extrapolation::gradients::{Extrapolate, Resolve, Sizes};
 use crate::extrapolation::polynomial::Polynomial;
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
@@ -10,7 +10,7 @@ use std::ops::Range;
 
 impl<T: Float> Iterate<T> {
     /// Begins a step of size `h` from `y` with Z = 0.
-    pub(crate) fn begin_at_rest(&mut self, method: &Coefficients<T>, (y, h): (&State<T>, T)) {
+    pub(crate) fn begin_at_zero(&mut self, method: &Coefficients<T>, (y, h): (&State<T>, T)) {
         self.set_step(method, h);
         let len = self.unknowns() * self.stride;
         self.z[..len].fill(T::int(0));
@@ -40,7 +40,7 @@ impl<T: Float> Iterate<T> {
         (self.is_measured, self.is_incremental, self.z_is_k_l) = (true, false, true);
         self.has_momenta = true;
         let wanted = self.unknowns();
-        self.set.run(&mut Foretell {
+        self.set.run(&mut Extrapolate {
             prolongation: polynomial.view(),
             l: &self.l_before,
             known,

@@ -15,7 +15,7 @@ use std::ops::Range;
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
     pub(crate) iterate: fn(&Coefficients<T>, usize, Option<Kinetic<T>>, &[T]) -> Iterate<T>,
-    pub(crate) at_rest: fn(&mut Iterate<T>, &Coefficients<T>, (&State<T>, T)),
+    pub(crate) at_zero: fn(&mut Iterate<T>, &Coefficients<T>, (&State<T>, T)),
     pub(crate) from_polynomial: fn(&mut Iterate<T>, &Coefficients<T>, (&State<T>, T, T), &Polynomial<T>, Option<&[T]>),
     pub(crate) polynomial: fn(&mut Polynomial<T>, equip_scalar::InstructionSet, [T; 3], bool),
     pub(crate) once: fn(&mut Iterate<T>, &mut Evaluator<T>, &State<T>) -> f64,
@@ -34,7 +34,7 @@ pub(crate) struct Ready<T: Float> {
 impl<T: Float> Ready<T> {
     const HERE: Self = Ready {
         iterate: Iterate::new,
-        at_rest: Iterate::begin_at_rest,
+        at_zero: Iterate::begin_at_zero,
         from_polynomial: Iterate::begin_from_polynomial,
         polynomial: Polynomial::make,
         once: Iterate::once,

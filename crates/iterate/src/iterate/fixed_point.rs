@@ -27,7 +27,7 @@ impl<T: Float> Iterate<T> {
 
     /// Begins a step of size `h` from `y` with Z = 0 and the initial α_k.
     pub fn begin(&mut self, method: &Coefficients<T>, step: (&State<T>, T)) {
-        (ready::<T>().at_rest)(self, method, step);
+        (ready::<T>().at_zero)(self, method, step);
     }
 
     /// Begins a step of size `h` from `y` with extrapolated stages. The last step had the size `last`, and
@@ -99,7 +99,7 @@ impl<T: Float> Iterate<T> {
         let made = series.made;
         if let Some(progress) = series.progress {
             // An incremental iteration does not compute L_q, so it is never the last one.
-            let goes_on = progress == Progress::Settled;
+            let goes_on = progress == Progress::Converged;
             return (
                 if goes_on {
                     Progress::Contracts

@@ -133,7 +133,7 @@ impl<T: Float> LinearIteration<T> {
         if self.knows_momenta() {
             self.by_positions(held, |positions, of| {
                 positions.begin(of, r, iterate);
-                positions.rest_into(x, iterate);
+                positions.constant_part_into(x, iterate);
             });
         }
         for made in 0..MOST_ITERATIONS {
@@ -170,7 +170,7 @@ impl<T: Float> LinearIteration<T> {
                 }
             }
             if made + 1 >= STILL - 1 {
-                match self.rests(sides, weights, tolerance, made + 1 >= STILL) {
+                match self.have_converged(sides, weights, tolerance, made + 1 >= STILL) {
                     Some(true) => return true,
                     Some(false) => {}
                     None => return false,
@@ -232,7 +232,7 @@ impl<T: Float> LinearIteration<T> {
 
     /// Whether the sums of all sides have converged; `None` if they are not finite. If `can_compare`, the
     /// previous changes are known.
-    fn rests(
+    fn have_converged(
         &mut self,
         sides: usize,
         weights: &[T],

@@ -77,8 +77,8 @@ impl<T: Float> Positions<T> {
     pub(crate) fn begin(&mut self, of: Iteration<'_, T>, r: &[T], iterate: &Iterate<T>) {
         let half = iterate.n / 2 * iterate.stride;
         let drifts = self.drift.chunks_exact_mut(iterate.n / 2);
-        let rests = self.rest.chunks_exact_mut(half);
-        for ((r, rest), drift) in r.chunks_exact(2 * half).zip(rests).zip(drifts) {
+        let have_converged = self.rest.chunks_exact_mut(half);
+        for ((r, rest), drift) in r.chunks_exact(2 * half).zip(have_converged).zip(drifts) {
             let (r_q, r_p) = r.split_at(half);
             let (dl, mixed) = (&mut of.dl[..half], &mut of.mixed[..half]);
             iterate.set.run(&mut Drift {
@@ -96,7 +96,7 @@ impl<T: Float> Positions<T> {
     }
 
     /// Sets X_q = R, its value without δL_p.
-    pub(crate) fn rest_into(&self, x: &mut [T], iterate: &Iterate<T>) {
+    pub(crate) fn constant_part_into(&self, x: &mut [T], iterate: &Iterate<T>) {
         let half = iterate.n / 2 * iterate.stride;
         for (x, rest) in x
             .chunks_exact_mut(2 * half)

@@ -44,7 +44,7 @@ pub(crate) fn advance<T: Float>(mu: T, q: [T; 2], p: [T; 2], t: T) -> Option<([T
     let x = anomaly(rho, sigma, mean);
     let (sin, _) = x.sin_cos();
     let versine = versine(x);
-    let r = a * slope(rho, sigma, x);
+    let r = a * derivative(rho, sigma, x);
     let f = T::int(1) - a / r0 * versine;
     let g = (rho * sin + sigma * versine) / n;
     let f_dot = -(mu * a).sqrt() / (r * r0) * sin;
@@ -66,7 +66,7 @@ fn anomaly<T: Float>(rho: T, sigma: T, mean: T) -> T {
         } else {
             low = x;
         }
-        let mut next = x - residual / slope(rho, sigma, x);
+        let mut next = x - residual / derivative(rho, sigma, x);
         if !(next >= low && next <= high) {
             next = (low + high) * T::ratio(1, 2);
         }
@@ -80,7 +80,7 @@ fn anomaly<T: Float>(rho: T, sigma: T, mean: T) -> T {
 }
 
 /// dM/dx = r/a.
-fn slope<T: Float>(rho: T, sigma: T, x: T) -> T {
+fn derivative<T: Float>(rho: T, sigma: T, x: T) -> T {
     rho + (T::int(1) - rho) * versine(x) + sigma * x.sin()
 }
 

@@ -341,7 +341,8 @@ impl<T: Float> Direction<T> {
             Held::Start => &mut self.x,
             Held::End => &mut self.back,
         };
-        let to_rest = (self.weights.as_slice(), tolerance);
-        self.linear.solve(held, (&self.rhs, x), to_rest, iterate, m)
+        let to_tolerance = (self.weights.as_slice(), tolerance);
+        self.linear
+            .solve(held, (&self.rhs, x), to_tolerance, iterate, m)
     }
 }

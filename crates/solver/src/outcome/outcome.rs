@@ -8,7 +8,7 @@ use std::fmt;
 #[non_exhaustive]
 pub enum Outcome {
     /// The energy was not requested as a constraint (Gauss, fixed α).
-    NotAsked,
+    NotRequested,
     /// H is at most quadratic: every method of the family conserves it.
     Quadratic,
     /// With α = 0 the energy error was already at the round-off level.
@@ -31,7 +31,7 @@ pub enum Outcome {
 impl Outcome {
     /// All outcomes, in the order in which reports name them.
     pub const ALL: [Outcome; 8] = [
-        Outcome::NotAsked,
+        Outcome::NotRequested,
         Outcome::Quadratic,
         Outcome::AtRoundOff,
         Outcome::Solved,
@@ -44,7 +44,7 @@ impl Outcome {
     /// The words for the outcome in certificates, tables and files.
     pub fn label(self) -> &'static str {
         match self {
-            Outcome::NotAsked => "energy not requested",
+            Outcome::NotRequested => "energy not requested",
             Outcome::Quadratic => "quadratic H, nothing to do",
             Outcome::AtRoundOff => "at the round-off level",
             Outcome::Solved => "energy solved",
@@ -56,7 +56,7 @@ impl Outcome {
     }
 
     /// Whether the energy error at the end of the step is at the round-off level.
-    pub fn energy_kept(self) -> bool {
+    pub fn energy_conserved(self) -> bool {
         matches!(
             self,
             Outcome::Solved | Outcome::AtRoundOff | Outcome::Quadratic
@@ -192,12 +192,12 @@ mod tests {
     fn outcomes_are_kept_carried_or_not_asked() {
         for outcome in Outcome::ALL {
             let is = [
-                outcome.energy_kept(),
+                outcome.energy_conserved(),
                 outcome.is_uncorrected(),
-                outcome == Outcome::NotAsked,
+                outcome == Outcome::NotRequested,
             ];
             assert_eq!(is.iter().filter(|&&is| is).count(), 1, "{outcome:?}");
         }
-        assert!(Outcome::Quadratic.energy_kept());
+        assert!(Outcome::Quadratic.energy_conserved());
     }
 }

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// A stiff mode.
 #[derive(Debug)]
-struct Spring {
+struct StiffMode {
     c: usize,
     /// h² w κ.
     angle_squared: f64,
@@ -29,7 +29,7 @@ pub(crate) struct Diagonal {
     stride: usize,
     /// (K(0) B)².
     a_squared: DMatrix<f64>,
-    springs: Vec<Spring>,
+    springs: Vec<StiffMode>,
 }
 
 impl Diagonal {
@@ -53,8 +53,7 @@ impl Diagonal {
         w: &[T],
         h: T,
     ) -> bool {
-        let springs =
-            (0..w.len()).filter_map(|c| Some((c, spring_constant(pattern, hessian, w, c)?)));
+        let springs = (0..w.len()).filter_map(|c| Some((c, stiffness(pattern, hessian, w, c)?)));
         let made = springs.map(|(c, kappa)| (c, (h * w[c]).to_f64() * (h * kappa).to_f64()));
         self.make(made.collect())
     }
@@ -85,7 +84,7 @@ impl Diagonal {
                 lu.solve(&mut x);
                 column.copy_from(&x);
             }
-            Some(Spring {
+            Some(StiffMode {
                 c,
                 angle_squared,
                 inverse,
@@ -97,7 +96,7 @@ impl Diagonal {
 }
 
 /// κ_c, if it is restoring and dominates its row.
-fn spring_constant<T: Float>(pattern: &Pattern, hessian: &[T], w: &[T], c: usize) -> Option<T> {
+fn stiffness<T: Float>(pattern: &Pattern, hessian: &[T], w: &[T], c: usize) -> Option<T> {
     let (mut kappa, mut rest) = (T::int(0), T::int(0));
     for (place, j) in pattern.row(c) {
         if j == c {

@@ -114,7 +114,7 @@ impl<T: Float> Core<T> {
             unconstrained: if options.first_alpha.is_some() {
                 Outcome::Quadratic
             } else {
-                Outcome::NotAsked
+                Outcome::NotRequested
             },
             may_be_halved: false,
             middles: vec![zero; options.max_halvings as usize],

@@ -122,7 +122,7 @@ impl<T: Float> Stages<T> {
             };
             *of += u64::from(made);
             match progress {
-                Progress::Settled => return Ok(true),
+                Progress::Converged => return Ok(true),
                 Progress::Contracts
                     if self.contraction.is_at_target() && self.iterate.has_increments() =>
                 {

@@ -57,7 +57,7 @@ fn rounding_is_not_refused() {
         }
         assert!(core.counts.alpha_updates > 20, "{:?}", core.counts);
     }
-    let conserved = |x: &Result<Outcome, _>| x.is_ok_and(Outcome::energy_kept);
+    let conserved = |x: &Result<Outcome, _>| x.is_ok_and(Outcome::energy_conserved);
     assert!(outcomes[0].iter().all(conserved));
     assert!(outcomes[0].contains(&Ok(Outcome::AtRoundOff)));
     assert_eq!(outcomes[0], outcomes[1]);

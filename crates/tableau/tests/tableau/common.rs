@@ -21,9 +21,9 @@ pub(crate) use in_every_float;
 
 use equip_scalar::Float;
 
-/// Asserts a defect of at most `bound` ε; the measured one is printed, for stating bounds.
-pub(crate) fn within<T: Float>(what: &str, defect: T, bound: f64) {
-    let measured = (defect / T::EPSILON).to_f64();
+/// Asserts a residual of at most `bound` ε; the measured one is printed, for stating bounds.
+pub(crate) fn within<T: Float>(what: &str, residual: T, bound: f64) {
+    let measured = (residual / T::EPSILON).to_f64();
     println!("{what}: {measured:.2} eps of {}", T::NAME);
     assert!(
         measured <= bound,

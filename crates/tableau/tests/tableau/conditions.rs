@@ -122,8 +122,8 @@ fn known_methods_have_their_residuals<T: Float>() {
 fn a_nan_shows_in_every_residual() {
     let mut method = plain::<f64>(3);
     method.a[4] = f64::NAN;
-    for defect in [c_residual, d_residual] {
-        assert!(defect(&method, 1).is_nan());
+    for residual in [c_residual, d_residual] {
+        assert!(residual(&method, 1).is_nan());
     }
     assert!(symplecticity_residual(&method).is_nan() && symmetry_residual(&method).is_nan());
     method.b[1] = f64::NAN;

@@ -63,9 +63,9 @@ class Task:
 
 def chunk_of(task: Task, q: Floats, p: Floats, show: Show = None) -> Ensemble:
     """The rows of these starts: a function of its arguments alone, but for whom it tells of its progress."""
-    keep = [(name, quantity._recorded) for name, quantity in task.given["keep"].items()]
+    keep = [(name, quantity._recorded) for name, quantity in task.given["preserve"].items()]
     events = [(name, event._recorded, *rest) for name, event, *rest in task.given["events"]]
-    given = {**task.given, "keep": keep, "events": events}
+    given = {**task.given, "preserve": keep, "events": events}
     flat = (q.ravel().tolist(), p.ravel().tolist())
     h = task.h
     if task.output is None:

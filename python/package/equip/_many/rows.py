@@ -17,7 +17,7 @@ from .._solution import Solution
 #: Of files.
 FORMAT = "equip ensemble 1"
 #: Names of arrays with a row for each run.
-ARRAYS = ("t", "q", "p", "energy_error", "energy_kept", "steps", "lyapunov", "megno")
+ARRAYS = ("t", "q", "p", "energy_error", "energy_conserved", "steps", "lyapunov", "megno")
 #: Of a run that a file has not.
 NOT_FINISHED = (
     "this run is not finished; call ensemble again with the same checkpoint, or with resume= to make it"
@@ -36,7 +36,7 @@ class Ensemble:
     #: Largest |H - H(start)| of each run, (N,).
     energy_error: Floats
     #: Whether every step of the run kept the energy to round-off, (N,).
-    energy_kept: NDArray[np.bool_]
+    energy_conserved: NDArray[np.bool_]
     #: Steps of each run, (N,).
     steps: NDArray[np.int64]
     #: Largest Lyapunov exponent, per unit of time, and MEGNO, (N,) each; NaN without `chaos=True`.
@@ -55,7 +55,7 @@ class Ensemble:
     def outcome(self) -> NDArray[np.str_]:
         """How each run ended, (N,): "kept" with the energy kept on every step, "finished" without, "failed",
         or "lost" with its worker."""
-        ends = np.where(self.energy_kept, "kept", np.where(np.isnan(self.t), "failed", "finished"))
+        ends = np.where(self.energy_conserved, "kept", np.where(np.isnan(self.t), "failed", "finished"))
         ends[self.lost] = "lost"
         return ends
 
@@ -131,7 +131,7 @@ def read_rows(path: Path) -> Ensemble:
     stored = read(path, FORMAT)
     q = stored.arrays.get("q")
     shape = q.shape if isinstance(q, np.ndarray) and q.ndim > 1 else (None, None)
-    kinds = {"energy_kept": "b", "steps": "iu"}
+    kinds = {"energy_conserved": "b", "steps": "iu"}
     arrays = {
         name: stored.array(name, shape if name in "qp" else shape[:1], kinds.get(name, "f"))
         for name in ARRAYS
@@ -158,7 +158,7 @@ def row_of(sol: Solution) -> Ensemble:
         q=sol.q[-1:],
         p=sol.p[-1:],
         energy_error=np.array([np.nan if energy is None else energy.max]),
-        energy_kept=np.array([certificate.energy_kept_on_every_step]),
+        energy_conserved=np.array([certificate.energy_conserved_on_every_step]),
         steps=np.array([certificate.counts.steps]),
         lyapunov=lyapunov,
         megno=megno,
@@ -175,7 +175,7 @@ def rows_of(found: dict[str, Any], shape: Shape) -> Ensemble:
         q=ends[:, 0],
         p=ends[:, 1],
         energy_error=found["energy_error"],
-        energy_kept=found["kept"],
+        energy_conserved=found["kept"],
         steps=found["steps"],
         lyapunov=found["lyapunov"],
         megno=found["megno"],
@@ -193,7 +193,7 @@ def missing(n: int, shape: Shape, message: str) -> Ensemble:
         q=states[0],
         p=states[1],
         energy_error=none,
-        energy_kept=np.zeros(n, dtype=bool),
+        energy_conserved=np.zeros(n, dtype=bool),
         steps=np.zeros(n, dtype=np.int64),
         lyapunov=none,
         megno=none,

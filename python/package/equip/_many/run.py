@@ -41,7 +41,7 @@ def ensemble(
     method: Method = Equip(stages=8),
     step: Optional[float] = None,
     tolerance: Optional[float] = None,
-    keep: Optional[Mapping[str, Function]] = None,
+    preserve: Optional[Mapping[str, Function]] = None,
     measure_energy: bool = True,
     chaos: bool = False,
     first_step: Optional[float] = None,
@@ -85,7 +85,7 @@ def ensemble(
     step, tolerance
         A fixed step without a sign, or an error per step relative to the motion within
         it: one of them. Without both, the tolerance is 1e-12.
-    keep
+    preserve
         Further quantities f(q, p) by name that are kept like the energy; of (t, q, p) where H is.
     measure_energy
         Whether methods that do not solve for the energy evaluate it, for `Ensemble.energy_error`.
@@ -153,7 +153,7 @@ def ensemble(
         max_steps=max_steps,
         rtol=rtol,
         atol=atol,
-        keep=keep,
+        preserve=preserve,
         measure_energy=measure_energy,
         chaos=chaos,
     )
@@ -227,9 +227,9 @@ def _task(
     output: Optional[Callable[[Solution], Any]],
 ) -> Task:
     """What all chunks have in common; recordings in it can be pickled."""
-    keep = {name: of_recording(f, h.shape) for name, f in given["keep"]}
+    keep = {name: of_recording(f, h.shape) for name, f in given["preserve"]}
     events = [(name, of_recording(f, h.shape), *rest) for name, f, *rest in given["events"]]
-    every = {**given, "keep": keep, "events": events}
+    every = {**given, "preserve": keep, "events": events}
     return Task(h, times, every, precision, threads, output)
 
 
