@@ -286,7 +286,7 @@ mod tests {
             |m| m.outcomes = vec![("energy solved", 99)],
             |m| m.levels = Some(1.01 * LEVELS),
             |m| m.levels = Some(f64::NAN),
-            |m| m.independent_levels = Some(9.0),
+            |m| m.independent_levels = Some(1.01 * (LEVELS + 1.0)),
             |m| m.energy = f64::NAN,
             |m| (m.uncorrected, m.energy) = (1, 1.01 * UNCORRECTED * m.gauss_energy),
             |m| m.error = Some(1.01 * TRAJECTORY * 2e-6),

@@ -18,7 +18,8 @@ use std::fmt;
 pub struct Certificate<T> {
     /// The content of the first line: `yes, on every step`, `NO: ` with the reasons, or `not requested` with
     /// the largest error, as for the Gauss method.
-    /// [`energy_conserved_on_every_step`](Certificate::energy_conserved_on_every_step) is the same as a boolean.
+    /// [`energy_conserved_on_every_step`](Certificate::energy_conserved_on_every_step) is the same as a
+    /// boolean.
     pub energy_conserved_to_round_off: String,
     /// The method.
     pub method: Method,

@@ -20,7 +20,8 @@ pub struct EnergyRoundOff<T> {
     pub time: T,
     /// |H_ref|; or, if the level exceeds √ε |H_ref|, the largest kinetic energy ½ |Σ p_i ∂H/∂p_i| since then, if that is larger.
     pub scale: T,
-    /// The round-off level at the end of the last step that conserved the energy; zero for a quadratic H.
+    /// The round-off level at the end of the last step that conserved the energy; zero for a quadratic H with
+    /// an error of at most √ε |H_ref|.
     pub last: T,
     /// The time average of the kinetic energy, with most weight on the time before the end. Zero as long as
     /// no level exceeds √ε |H_ref|; |H_ref| is then large compared with every error.

@@ -147,8 +147,13 @@ impl<T: Float> Measured<T> {
                     energy.gradient(y, gradient);
                     kinetic_energy(y, gradient, m)
                 });
-                // No bound of rounding: the final error is compared with the energies alone.
+                // The error is no bound of rounding.
                 seen.last = T::int(0);
+                if !(error.abs() <= h_ref.abs() * T::EPSILON.sqrt()) {
+                    let (energy, counts) = core.energy_and_counts();
+                    counts.gradients += 1;
+                    seen.last = T::EPSILON * energy.gradient_with_bound(y, gradient).1;
+                }
             }
         }
         for watched in &mut self.watched {
