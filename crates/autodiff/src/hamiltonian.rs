@@ -219,7 +219,8 @@ impl Hamiltonian {
 impl Hamiltonian {
     /// An energy computed by user code, in doubles: C code, an interpolator, a learned energy. `value(q, p)`
     /// is H, `gradient(q, p, dq, dp)` writes ∂H/∂q to `dq` and ∂H/∂p to `dp`. All slices have length m.
-    /// `accuracy` is the relative rounding error of the values: [`f64::EPSILON`] in doubles.
+    /// `accuracy` is the relative rounding error of the values, and of the gradient relative to its largest
+    /// component: [`f64::EPSILON`] in doubles.
     ///
     /// A run compares the gradient with differences of H at its start and occasionally later. The structure
     /// of H is unknown: ∇²H takes 2n gradients and has n² entries, discontinuities are not detected, and a

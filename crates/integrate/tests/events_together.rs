@@ -93,16 +93,17 @@ fn a_kick_is_found_once() {
     for _ in 0..100 {
         let (begin, period) = (random() - 0.5, 0.2 + random());
         let (q0, p0) = (6.0 * random(), random() - 0.5);
-        let kick = Event::new("kick", move |t: f64, _: &[f64], _: &[f64]| {
+        let clock = Event::new("clock", move |t: f64, _: &[f64], _: &[f64]| {
             (PI * t / period).sin()
-        })
-        .then(|_, q: &mut [f64], p: &mut [f64]| {
+        });
+        let kick = clock.clone().then(|_, q: &mut [f64], p: &mut [f64]| {
             p[0] += 0.3 * q[0].sin();
             ControlFlow::Continue(())
         });
         let end = 40.5 * period;
         let run = Equip::stages(3)
             .tolerance(1e-10)
+            .event(clock)
             .event(kick)
             .integrate(&rotor, &[q0], &[p0], begin..=end)
             .unwrap();
@@ -118,7 +119,7 @@ fn a_kick_is_found_once() {
         }
         q += p * (end - t);
         let (_, found_q, found_p) = run.last();
-        assert_eq!(run.events().len(), kicks);
+        assert_eq!(run.events().len(), 2 * kicks);
         let error = (found_q[0] - q).abs().max((found_p[0] - p).abs());
         assert!(error < 1e-9, "from {q0}, {p0} at {begin}: {error:e}");
     }

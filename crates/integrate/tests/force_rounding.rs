@@ -3,6 +3,8 @@
 
 use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::{Equip, Gauss, Run};
+use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Three bodies in a plane, `far` from the origin.
 fn three_bodies(far: f64) -> (Hamiltonian, [f64; 6], [f64; 6]) {
@@ -66,4 +68,66 @@ fn forces_that_are_rounding_shorten_no_steps() {
         assert!(steps <= 4000, "s = {s}, {tolerance:e}: {steps} steps");
         assert!(off < 1e-9, "s = {s}, {tolerance:e}: {off:e}");
     }
+}
+
+/// The nonlinear Schrödinger equation on 256 points, its Laplace operator by sums of Fourier: in the tails of
+/// a wave the gradient is rounding of that at its crest.
+#[test]
+fn gradients_from_outside_round_as_their_largest_component() {
+    const N: usize = 256;
+    let length = 40.0;
+    let table: Vec<(f64, f64)> = (0..N)
+        .map(|j| (TAU * j as f64 / N as f64).sin_cos())
+        .collect();
+    let table = Arc::new(table);
+    let laplace = move |u: &[f64], out: &mut [f64]| {
+        out.fill(0.0);
+        for k in 1..=N / 2 {
+            let at = |j: usize| table[(j * k) % N];
+            let (mut c, mut s) = (0.0, 0.0);
+            for (j, &u) in u.iter().enumerate() {
+                let (sin, cos) = at(j);
+                (c, s) = (c + u * cos, s + u * sin);
+            }
+            let twice = if k == N / 2 { 1.0 } else { 2.0 };
+            let square = (TAU * k as f64 / length).powi(2) * twice / N as f64;
+            for (j, out) in out.iter_mut().enumerate() {
+                let (sin, cos) = at(j);
+                *out += square * (c * cos + s * sin);
+            }
+        }
+    };
+    let of_gradient = laplace.clone();
+    let value = move |q: &[f64], p: &[f64]| {
+        let (mut lq, mut lp) = ([0.0; N], [0.0; N]);
+        laplace(q, &mut lq);
+        laplace(p, &mut lp);
+        (0..N)
+            .map(|j| {
+                let density = q[j] * q[j] + p[j] * p[j];
+                (q[j] * lq[j] + p[j] * lp[j] - density * density) / 4.0
+            })
+            .sum()
+    };
+    let gradient = move |q: &[f64], p: &[f64], dq: &mut [f64], dp: &mut [f64]| {
+        of_gradient(q, dq);
+        of_gradient(p, dp);
+        for j in 0..N {
+            let density = q[j] * q[j] + p[j] * p[j];
+            (dq[j], dp[j]) = (dq[j] / 2.0 - density * q[j], dp[j] / 2.0 - density * p[j]);
+        }
+    };
+    let h = Hamiltonian::external(N, 2.0_f64.powi(-50), value, gradient).unwrap();
+    let wave = |j: usize| {
+        let x = (j as f64 - N as f64 / 2.0) * length / N as f64;
+        let (sin, cos) = (0.5 * x).sin_cos();
+        (cos / x.cosh(), sin / x.cosh())
+    };
+    let (q, p): (Vec<f64>, Vec<f64>) = (0..N).map(wave).unzip();
+    let run = |options: equip_integrate::Integrator<f64>| {
+        options.integrate(&h, &q, &p, 0.0..=0.001).unwrap()
+    };
+    let by_tolerance = run(Gauss::stages(4).tolerance(1e-12).max_steps(20));
+    let by_equal_steps = run(Gauss::stages(8).step(0.0005));
+    assert!(apart(&by_tolerance, &by_equal_steps) < 1e-12);
 }

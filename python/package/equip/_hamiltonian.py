@@ -113,7 +113,9 @@ class Hamiltonian:
         shape
             The shape of q, which is that of p.
         accuracy
-            The relative rounding error of the values, from 2.2e-16, that of one operation in doubles, to 1.
+            The relative rounding error of the values, and of the gradient relative to its largest component,
+            from 2.2e-16, that of one operation in doubles, to 1. If steps by a tolerance become very short,
+            the gradient is less accurate than this.
 
         Raises
         ------

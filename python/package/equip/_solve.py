@@ -71,8 +71,6 @@ def options(
         raise ValueError(f"precision is {precision!r}; it must be 'f64' or 'dd' (double-double, 31 digits)")
     if step is not None and tolerance is not None:
         raise ValueError("give a step or a tolerance, not both")
-    if tolerance is not None and rtol is not None:
-        raise ValueError("give a tolerance or rtol, not both: rtol is the tolerance of positions and momenta")
     adaptive = {
         "first_step": first_step,
         "rtol": rtol,

@@ -131,10 +131,14 @@ impl<T: Float> ExternalEvaluator<T> {
         by_differences(y, (&given, bound), self.of.accuracy, |y| self.value(y))
     }
 
-    /// Zero, since the rounding of an external gradient is not known.
-    pub(crate) fn gradient_rounding(&self, y: &[T], off: &mut [T]) {
-        self.check(&[y.len(), off.len()]);
-        off.fill(T::int(0));
+    /// The accuracy, relative to the largest component of ∂H/∂q and of ∂H/∂p: matrix products and Fourier
+    /// transforms round in proportion to that.
+    pub(crate) fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
+        self.given.at(y, off);
+        for half in off.chunks_exact_mut(y.len() / 2) {
+            let largest = half.iter().fold(T::int(0), |most, x| most.max(x.abs()));
+            half.fill(T::exact(self.of.accuracy) * largest);
+        }
     }
 
     /// By central differences of the gradient. Positions and momenta have different units: neither changes by

@@ -13,8 +13,9 @@ use Source::{External, Traced, WithGradient};
 
 impl<T: Float> Evaluator<T> {
     /// Writes the running error bound of the trace of ∇H at `y` to `off` (length n): a bound for the effect
-    /// of rounding `y` in its last place and of rounding all operations, to first order. Zero for an external
-    /// energy and for a system with a bracket, for which the bound is not known.
+    /// of rounding `y` in its last place and of rounding all operations, to first order. For an external
+    /// energy it is its accuracy, relative to the largest component; for a system with a bracket zero, since
+    /// the bound is not known.
     pub fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
         if self.bracket.is_some() {
             assert_eq!(y.len(), off.len(), "one for each component");

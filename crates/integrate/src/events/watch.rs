@@ -21,7 +21,7 @@ pub(crate) struct EventWatch<T: Float> {
     y: Vec<T>,
     start: T,
     direction: TimeDirection,
-    /// The events at the end of the last piece, if one of them ended it.
+    /// The events at the end of the last piece, in the order of the list, if one of them ended it.
     met: Vec<usize>,
 }
 
@@ -99,74 +99,66 @@ impl<T: Float> EventWatch<T> {
         let functions = self.events.iter().zip(&mut self.functions);
         for (number, (event, function)) in functions.enumerate() {
             let y = &mut self.y;
-            let g = |place: T| {
+            let mut g = |place: T| {
                 piece.state_at(place, y);
                 function.value(piece.time_at(place), &y[..m], &y[m..])
             };
-            self.roots
-                .find(g, resolution)
-                .map_err(|_| IntegrateError::EventTooRough {
-                    event: event.name().to_owned(),
-                    time: piece.time,
-                    step: piece.h,
-                })?;
-            // The state begins on these events, on either side by rounding. A root that g only approaches is
-            // the root on which the state begins.
+            let found = self.roots.find(&mut g, resolution);
+            found.map_err(|_| IntegrateError::EventTooRough {
+                event: event.name().to_owned(),
+                time: piece.time,
+                step: piece.h,
+            })?;
+            // The state begins on the events met last, on either side by rounding. A root that g only
+            // approaches from there is the root on which the state begins.
             if self.met.contains(&number)
                 && let Some(&(root, rises)) = self.roots.found.first()
                 && root <= closest
             {
-                let y = &mut self.y;
-                let mut g = |place: T| {
-                    piece.state_at(place, y);
-                    function.value(piece.time_at(place), &y[..m], &y[m..])
-                };
                 let nears = g(root / T::int(2)) - g(T::int(0));
                 if nears == T::int(0) || (nears > T::int(0)) == rises {
                     self.roots.found.remove(0);
                 }
             }
-            let wanted = self.roots.found.iter().filter(|(_, rising)| {
-                event.direction == Direction::Both
-                    || (event.direction == Direction::Rising) == *rising
+            let wanted = self.roots.found.iter().filter(|(place, rising)| {
+                // A run that starts on a root has not crossed it.
+                let is_crossed = self.direction.is_before(self.start, piece.time_at(*place));
+                let rises = event.direction == Direction::Rising;
+                is_crossed && (event.direction == Direction::Both || rises == *rising)
             });
             self.found
                 .extend(wanted.map(|&(place, rising)| (place, number, rising)));
         }
         self.found
             .sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap_or(std::cmp::Ordering::Equal));
+        let acts = |event: &Event<T>| event.terminal || event.action.is_some();
+        let mut acting = self
+            .found
+            .iter()
+            .filter(|found| acts(&self.events[found.1]));
+        let end = acting.next().map(|&(place, ..)| place);
         self.met.clear();
-        let mut end = None;
         for &(place, event, rising) in &self.found {
-            let time = piece.time_at(place);
-            // A run that starts on a root has not crossed it.
-            if !self.direction.is_before(self.start, time) {
-                continue;
-            }
-            if end.is_some_and(|end| place > end + closest) {
-                break;
-            }
-            if end.is_some() && self.met.contains(&event) {
-                continue;
+            if let Some(end) = end
+                && place >= end - closest
+            {
+                if place > end + closest {
+                    break;
+                }
+                if self.met.contains(&event) {
+                    continue;
+                }
+                self.met.push(event);
             }
             piece.state_at(place, &mut self.y);
             let (q, p) = (self.y[..m].to_vec(), self.y[m..].to_vec());
             occurrences.push(Occurrence {
                 event,
-                time,
+                time: piece.time_at(place),
                 q,
                 p,
                 rising,
             });
-            let Event {
-                terminal, action, ..
-            } = &self.events[event];
-            if end.is_none() && (*terminal || action.is_some()) {
-                end = Some(place);
-            }
-            if end.is_some() {
-                self.met.push(event);
-            }
         }
         self.met.sort_unstable();
         Ok(end)

@@ -10,7 +10,7 @@
 use crate::layout::aligned::{Aligned, Places};
 use crate::layout::row::{by_groups, placed, stride_for};
 use crate::layout::state::State;
-use crate::matrix::columns::columns_into;
+use crate::matrix::product::columns_into;
 use crate::matrix::twofold;
 use equip_autodiff::Kinetic;
 use equip_scalar::{Float, InstructionSet, Kernel};

@@ -4,6 +4,5 @@ pub(crate) mod compiled;
 pub(crate) mod linear_iteration;
 pub(crate) mod positions;
 pub(crate) mod power_iteration;
-pub(crate) mod row_times;
 pub(crate) mod solve;
 pub(crate) mod stage_hessians;

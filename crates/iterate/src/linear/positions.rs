@@ -12,7 +12,7 @@
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::Held;
 use crate::layout::row::{add, by_groups, fused, fused_each, scaled, stride_for, times};
-use crate::linear::row_times::row_times;
+use crate::linear::stage_hessians::row_times;
 use crate::matrix::product::product_any;
 use crate::matrix::twofold::add_product;
 use equip_autodiff::Pattern;

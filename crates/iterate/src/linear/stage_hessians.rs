@@ -3,9 +3,8 @@
 //! Cost: s Hessians.
 
 use crate::iterate::iterate::Iterate;
-use crate::layout::row::{by_groups, fused, scaled, stride_for};
+use crate::layout::row::{by_groups, fused, fused_each, scaled, stride_for};
 use crate::linear::power_iteration::PowerIteration;
-use crate::linear::row_times::row_times;
 use equip_autodiff::{Evaluator, Pattern, turned};
 use equip_scalar::{Float, InstructionSet, Kernel};
 
@@ -83,6 +82,32 @@ impl<T: Float> StageHessians<T> {
             stride: self.stride,
         });
     }
+}
+
+/// Σ_e entry_e X for one row and one group of stages, over the columns before `end`, for S sides from `side`
+/// on.
+#[inline(always)]
+pub(crate) fn row_times<T: Float, const N: usize, const S: usize>(
+    pattern: &Pattern,
+    entries: &[T],
+    (row, end): (usize, usize),
+    x: &[T],
+    (side, groups, g): (usize, usize, usize),
+) -> [[T; N]; S] {
+    let (entries, x) = (entries.as_chunks::<N>().0, x.as_chunks::<N>().0);
+    let n = pattern.dimension();
+    let range = pattern.row_starts[row]..pattern.row_starts[row + 1];
+    let mut sums = [[T::int(0); N]; S];
+    for (e, &column) in range.clone().zip(&pattern.columns[range]) {
+        if column >= end {
+            break;
+        }
+        let entry = &entries[e * groups + g];
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum = fused_each(entry, &x[((side + k) * n + column) * groups + g], sum);
+        }
+    }
+    sums
 }
 
 /// δL from X: rows of h b ∇²H times X, with the sign of J.

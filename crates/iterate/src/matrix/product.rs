@@ -1,11 +1,29 @@
-//! K L for one component, with K column by column. Products are fused and sums have a fixed order
+//! K(α) column by column, and K L for one component. Products are fused and sums have a fixed order
 //! ([`crate::layout::row::dot`]), so the bits are the same on every instruction set.
 //!
 //! Cost: s² products.
 
-use crate::layout::row::{add, dot, literal};
+use crate::layout::row::{add, dot, literal, stride_for};
 use equip_scalar::{Float, Pack};
+use equip_tableau::Coefficients;
 use std::hint::black_box;
+
+/// Writes K(α) of `method` to `k`, with padding of zeros. `room` is workspace for s² numbers.
+pub(crate) fn columns_into<T: Float>(
+    method: &Coefficients<T>,
+    alphas: &[T],
+    room: &mut [T],
+    k: &mut [T],
+) {
+    let s = method.stages();
+    let stride = stride_for::<T>(s);
+    method.matrix_into(alphas, room);
+    for (i, row) in room.chunks_exact(s).enumerate() {
+        for (j, &x) in row.iter().enumerate() {
+            k[j * stride + i] = x;
+        }
+    }
+}
 
 /// K for one group of stages of doubles.
 pub(crate) trait Mixes<const N: usize> {

@@ -87,7 +87,7 @@ impl<T: Float> Kernel for Product<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matrix::columns::columns_into;
+    use crate::matrix::product::columns_into;
 
     /// K L in double-double, with K column by column.
     fn mixed(k: &[f64], s: usize, l: &[DoubleDouble]) -> Vec<DoubleDouble> {
