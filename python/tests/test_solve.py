@@ -180,7 +180,9 @@ def test_further_quantities_are_kept(kepler):
     # 2.3e-12 and 2.8e-14.
     assert defect(invariants={"cubic": cubic}) > 1e-12 and defect(preserve={"cubic": cubic}) < 1e-13
     with pytest.raises(ValueError, match="2 quantities are to be conserved by 1 free"):
-        equip.solve(kepler, *START, (0, 10), step=0.1, method=equip.Equip(2), preserve={"p": lambda q, p: p[0]})
+        equip.solve(
+            kepler, *START, (0, 10), step=0.1, method=equip.Equip(2), preserve={"p": lambda q, p: p[0]}
+        )
 
 
 def test_double_double_against_the_closed_form():
