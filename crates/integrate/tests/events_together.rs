@@ -1,4 +1,5 @@
 //! Events that change the state at the same time, again at once, or to a state that H does not have.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{Equip, Event, IntegrateError, StepEvents};

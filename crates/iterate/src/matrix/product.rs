@@ -62,6 +62,7 @@ impl<M: Mixes<N>, const N: usize> Mixes<N> for Anew<M> {
 /// Σ_j K_ij L_j for the stages of group g. The sums over different groups of L are independent, which
 /// shortens the chain of dependent operations.
 #[inline(always)]
+#[allow(clippy::needless_range_loop)] // The number of groups is constant after inlining.
 pub(crate) fn product_any<T: Float, const N: usize>(
     k: &[[T; N]],
     l: &[[T; N]],
