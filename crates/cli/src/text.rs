@@ -95,7 +95,7 @@ pub(crate) fn three_digits(x: f64) -> String {
     }
 }
 
-/// Prints a line for the user beside the output. A line that cannot be printed is no fault of the run.
+/// Prints a line to the standard error. A line that cannot be printed is no error of the run.
 pub(crate) fn say(line: &str) {
     let _ = writeln!(stderr(), "{line}");
 }

@@ -177,7 +177,7 @@ fn a_state_that_cannot_be_ends_the_run_at_the_event() {
     assert!(failure.error.to_string().contains("broken floor"));
 }
 
-/// A ball that loses a half of its speed in every bounce comes to rest at t = 3 √(2/g).
+/// A ball that loses half of its speed in every bounce has infinitely many bounces before t = 3 √(2/g).
 #[test]
 fn bounces_that_accumulate_are_named() {
     let ball = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + G * q[0]).unwrap();

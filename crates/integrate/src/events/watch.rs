@@ -8,7 +8,7 @@ use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
 
-/// Units of rounding of the time within which two roots are at the same time.
+/// Units of rounding of the time within which two roots are at the same time (docs/adr/0033).
 pub(crate) const CLOSEST: i64 = 256;
 
 #[derive(Debug)]

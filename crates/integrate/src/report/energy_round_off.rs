@@ -18,7 +18,8 @@ pub struct EnergyRoundOff<T> {
     pub round_off: T,
     /// The time at the end of the step with the largest level.
     pub time: T,
-    /// |H_ref|; or, if the level exceeds √ε |H_ref|, the largest kinetic energy ½ |Σ p_i ∂H/∂p_i| since then, if that is larger.
+    /// |H_ref|; or, if the level exceeds √ε |H_ref|, the largest kinetic energy ½ |Σ p_i ∂H/∂p_i| since then,
+    /// if that is larger.
     pub scale: T,
     /// The round-off level at the end of the last step that conserved the energy; zero for a quadratic H with
     /// an error of at most √ε |H_ref|.

@@ -139,17 +139,11 @@ impl<T: Float, const N: usize> Views<'_, T, N> {
         let first = c * self.groups;
         for g in 0..self.groups {
             let z = self.mixed(&self.l[first..][..self.groups], g);
-            self.set(c, g, z, change);
+            let at = first + g;
+            change.see(&difference(&z, &self.z[at]), self.inverse_scale[c]);
+            self.points[at] = placed(self.hi[c], self.lo[c], &z);
+            self.z[at] = z;
         }
-    }
-
-    /// Stores Z and the stages of component c, group g.
-    #[inline(always)]
-    pub(crate) fn set(&mut self, c: usize, g: usize, z: [T; N], change: &mut Moved<N>) {
-        let at = c * self.groups + g;
-        change.see(&difference(&z, &self.z[at]), self.inverse_scale[c]);
-        self.points[at] = placed(self.hi[c], self.lo[c], &z);
-        self.z[at] = z;
     }
 }
 
@@ -170,13 +164,8 @@ impl<const N: usize> Moved<N> {
 
     #[inline(always)]
     pub(crate) fn see<T: Float>(&mut self, by: &[T; N], inverse_scale: T) {
-        self.see_heads(T::Pack::of(by).heads(), inverse_scale);
-    }
-
-    #[inline(always)]
-    pub(crate) fn see_heads<T: Float>(&mut self, by: [f64; N], inverse_scale: T) {
         let inverse_scale = inverse_scale.to_f64();
-        for (i, by) in by.into_iter().enumerate() {
+        for (i, by) in T::Pack::of(by).heads().into_iter().enumerate() {
             let moved = by.abs() * inverse_scale;
             let most = self.largest[i];
             self.largest[i] = if moved > most { moved } else { most };
