@@ -2,6 +2,7 @@
 //! the same trajectory and energy.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::{Equip, Gauss, Integrator, Method, Preconditioner, Record, Run};
 use equip_scenes::Instance;
 use equip_tests::{decimal_digits, relative_distance};
@@ -162,6 +163,52 @@ fn a_resumed_run_has_the_same_bits() {
             }
             assert_eq!(other.view().to_step(), view);
             assert_eq!(other.counts(), &counts);
+        }
+    }
+}
+
+/// n steps of Gauss rotate the state of a spring by n θ, and tan(θ/2) is a Padé approximant of tan(hω/2).
+/// Rounding of the stages is not amplified by hω.
+#[test]
+fn an_unresolved_spring_rotates_to_rounding() {
+    let (steps, h) = (1000, 0.5);
+    for omega in [40.0, 1e3, 1e4, 1e6] {
+        // The second H is not separable: both halves are unknown.
+        let separable = move |q: &[Var], p: &[Var]| (p[0].powi(2) + (omega * q[0]).powi(2)) / 2.0;
+        let rotated = move |q: &[Var], p: &[Var]| {
+            let (x, v) = (
+                0.6 * omega * q[0] + 0.8 * p[0],
+                0.6 * p[0] - 0.8 * omega * q[0],
+            );
+            (x.powi(2) + v.powi(2)) / 2.0
+        };
+        let both = [
+            Hamiltonian::new(1, separable).unwrap(),
+            Hamiltonian::new(1, rotated).unwrap(),
+        ];
+        for s in [1, 2, 3, 8, 16] {
+            for (form, energy) in both.iter().enumerate() {
+                let options = Gauss::stages(s).step(h).record(Record::Ends);
+                let end = h * f64::from(steps);
+                let run = options
+                    .measure_energy(true)
+                    .integrate(energy, &[1.0 / omega], &[0.0], 0.0..=end)
+                    .unwrap();
+                let error = run.certificate().energy.as_ref().unwrap().max / 0.5;
+                let x = h * omega / 2.0;
+                let half = match s {
+                    1 => x.atan(),
+                    2 => x.atan2(1.0 - x * x / 3.0),
+                    3 => (x - x.powi(3) / 15.0).atan2(1.0 - 0.4 * x * x),
+                    _ => 0.0,
+                };
+                let angle = 2.0 * half * f64::from(steps);
+                let (_, q, p) = run.last();
+                let off = (q[0] * omega - angle.cos()).hypot(p[0] + angle.sin());
+                let off = if s <= 3 { off } else { 0.0 };
+                println!("ω {omega}, s = {s}, form {form}: energy {error:e}, state {off:e}");
+                assert!(error < 1e-12 && off < 2e-12);
+            }
         }
     }
 }

@@ -236,7 +236,7 @@ fn a_deep_dense_composition() {
         }
     }
     assert!(
-        start.elapsed() < Duration::from_secs(10),
+        start.elapsed() < Duration::from_secs(60),
         "{:?}",
         start.elapsed()
     );

@@ -22,6 +22,7 @@
 use crate::coefficients::{Coefficients, Unperturbed, mirror};
 use crate::rule::MAX_STAGES;
 use equip_scalar::{Float, Pack};
+use nalgebra::DMatrix;
 
 impl<T: Float> Coefficients<T> {
     /// T_k, s × s in row-major order, for k = 1 … s − 1. It is exactly antisymmetric.
@@ -98,6 +99,30 @@ impl<T: Float> Coefficients<T> {
                 (k[i * s + j], k[j * s + i]) = pair;
             }
         }
+    }
+
+    /// The Moore–Penrose inverse of K(α), s × s in row-major order, in doubles: K⁻¹ if the method has as many
+    /// stages as its degree. It costs O(s³) operations and allocates.
+    ///
+    /// # Panics
+    /// If `alphas` does not have an entry for each α_k.
+    ///
+    /// ```
+    /// let gauss = equip_tableau::Coefficients::<f64>::gauss(2)?;
+    /// // b_i (A⁻¹)_ij, with the A⁻¹ of Hairer, Wanner, Solving ODEs II, section IV.8
+    /// let inverse = gauss.pseudo_inverse(&[0.0]);
+    /// assert!((inverse[0] - 1.5).abs() < 1e-14);
+    /// assert!((inverse[1] - (3f64.sqrt() - 1.5)).abs() < 1e-14);
+    /// # Ok::<(), equip_tableau::TableauError>(())
+    /// ```
+    pub fn pseudo_inverse(&self, alphas: &[T]) -> Vec<f64> {
+        let (s, k) = (self.stages, self.matrix(alphas));
+        let k = DMatrix::from_fn(s, s, |i, j| k[i * s + j].to_f64());
+        // The smallest singular value of K is above 1e-2 up to 64 stages, but for zeros.
+        let inverse = k
+            .pseudo_inverse(1e-9)
+            .unwrap_or_else(|_| DMatrix::zeros(s, s));
+        inverse.transpose().as_slice().to_vec()
     }
 
     /// Writes the antisymmetric part U(α) = K(α) − ½, s × s in row-major order, into `u`: U_ji = −U_ij

@@ -45,8 +45,9 @@ impl<T: Float> Iterate<T> {
         (ready.from_polynomial)(self, method, (y, h, ratio), polynomial, known);
     }
 
-    /// y1 = y0 + Σ L_i, with compensated summation.
-    pub fn end_point(&self, y: &State<T>, next: &mut State<T>) {
+    /// y1 = y0 + Σ L_i, with compensated summation. L of stiff components is computed from Z.
+    pub fn end_point(&mut self, y: &State<T>, next: &mut State<T>) {
+        (ready::<T>().correct)(self);
         (ready::<T>().advance)(self, y, next);
     }
 
@@ -95,7 +96,7 @@ impl<T: Float> Iterate<T> {
         } else {
             (ready::<T>().once)(self, energy, y)
         };
-        self.z_is_k_l = true;
+        (self.z_is_k_l, self.has_residual) = (true, false);
         let made = series.made;
         if let Some(progress) = series.progress {
             // An incremental iteration does not compute L_q, so it is never the last one.
@@ -133,6 +134,7 @@ impl<T: Float> Iterate<T> {
         (ready.mix)(self, y);
         m.apply(Held::Start, self.subtract_kept());
         let change = (ready.add_kept)(self, y);
+        self.has_residual = true;
         let was_measured = self.is_measured;
         if !was_measured || contraction.is_far() {
             (ready.measure)(self, y, 0..self.n);

@@ -10,6 +10,7 @@
 use crate::layout::aligned::{Aligned, Places};
 use crate::layout::row::{by_groups, placed, stride_for};
 use crate::layout::state::State;
+use crate::matrix::inverse::InverseK;
 use crate::matrix::product::columns_into;
 use crate::matrix::twofold;
 use equip_autodiff::Kinetic;
@@ -38,7 +39,9 @@ pub struct Iterate<T: Float> {
     /// L of the last iteration, and of the last step.
     pub(crate) l: Aligned<T>,
     pub(crate) l_before: Aligned<T>,
-    /// Workspace for ΔL of incremental iterations.
+    /// K⁻¹ of the initial α_k.
+    pub(crate) inverse_k: InverseK<T>,
+    /// Workspace for ΔL of incremental iterations, and K L − Z of preconditioned ones.
     pub(crate) delta: Aligned<T>,
     /// Z of the unknown components, and a copy.
     pub(crate) z: Aligned<T>,
@@ -56,6 +59,8 @@ pub struct Iterate<T: Float> {
     pub(crate) z_is_k_l: bool,
     /// Whether the last iteration was incremental. L is then incomplete.
     pub(crate) is_incremental: bool,
+    /// Whether the last iteration was preconditioned, and its residual is in `delta`, its Z in `z_before`.
+    pub(crate) has_residual: bool,
     /// Whether the sizes were measured on stages near the solution.
     pub(crate) is_measured: bool,
 }
@@ -99,6 +104,7 @@ impl<T: Float> Iterate<T> {
             h: T::int(0),
             l,
             l_before,
+            inverse_k: InverseK::new(method, alphas),
             delta,
             z,
             z_before,
@@ -110,6 +116,7 @@ impl<T: Float> Iterate<T> {
             twofold,
             z_is_k_l: true,
             is_incremental: false,
+            has_residual: false,
             is_measured: false,
         }
     }

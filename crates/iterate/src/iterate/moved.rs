@@ -57,7 +57,7 @@ impl<T: Float> Iterate<T> {
         self.points.copy_from_slice(&kept.points);
         self.has_momenta = kept.has_momenta;
         self.k.copy_from_slice(&self.k_start);
-        (self.k_has_moved, self.z_is_k_l) = (false, true);
+        (self.k_has_moved, self.z_is_k_l, self.has_residual) = (false, true, false);
     }
 
     /// Sets the L of another step, stage by stage in blocks of length n.
@@ -105,11 +105,12 @@ impl<T: Float> Iterate<T> {
         self.z_before[..len].copy_from_slice(&self.z[..len]);
     }
 
-    /// Replaces Z by its difference to the copy.
+    /// Replaces Z by its difference to the copy, K L − Z, which is stored.
     pub(crate) fn subtract_kept(&mut self) -> &mut [T] {
         let len = self.unknowns() * self.stride;
         let pairs = self.z[..len].iter_mut().zip(&self.z_before[..len]);
         pairs.for_each(|(z, &before)| *z -= before);
+        self.delta[..len].copy_from_slice(&self.z[..len]);
         &mut self.z[..len]
     }
 

@@ -254,7 +254,7 @@ impl<T: Float> Choice<T> {
         if self.active == Kind::Identity {
             return 1.0;
         }
-        if self.follows_stages() || self.amplification.is_finite() {
+        if self.amplification.is_finite() {
             return self.amplification;
         }
         if let Some(m) = self.operator() {
