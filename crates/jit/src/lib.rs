@@ -4,8 +4,8 @@
 //! operands be read from memory and its result be written there; as machine code of its own it stands between
 //! those it belongs to, and numbers stay in registers.
 //!
-//! [`Program`] → registers (farthest next use) → loops, where instructions repeat → bytes (by iced-x86) →
-//! executable memory (by memmap2) → [`Code::run`].
+//! [`Program`] → registers (farthest next use) → bytes (by iced-x86) → executable memory (by memmap2) →
+//! [`Code::run`].
 //!
 //! Every operation is an instruction of its own, rounded as in Rust: results have every bit of the same
 //! operations on `f64`. For x86-64 with AVX2 or AVX-512; elsewhere [`Code::new`] gives `None`, and so it does
@@ -33,8 +33,6 @@
 mod program;
 #[cfg(target_arch = "x86_64")]
 mod registers;
-#[cfg(target_arch = "x86_64")]
-mod repeats;
 #[cfg(target_arch = "x86_64")]
 mod x86_64;
 

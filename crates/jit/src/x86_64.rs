@@ -6,7 +6,6 @@
 
 use crate::program::Binary;
 use crate::registers::{self, Memory, Registers, Source};
-use crate::repeats::{Steps, Stretch, stretches};
 use iced_x86::{Code, Encoder, IcedError, Instruction, MemoryOperand, Register};
 
 /// Vectors of one width.
@@ -137,8 +136,9 @@ impl Assembler {
 
     fn function(mut self, instructions: &[registers::Instruction]) -> Result<Vec<u8>, IcedError> {
         let start = self.length;
-        for stretch in stretches(instructions) {
-            self.stretch(&stretch, instructions)?;
+        for &instruction in instructions {
+            let instruction = self.instruction(instruction)?;
+            self.put(instruction)?;
         }
         let lanes = self.vectors.lanes();
         if self.stride > lanes {
@@ -154,57 +154,6 @@ impl Assembler {
         }
         self.put(Instruction::with(Code::Retnq))?;
         Ok(self.encoder.take_buffer())
-    }
-
-    /// What is read and written moves with the registers that point there, and they are moved back.
-    fn stretch(
-        &mut self,
-        stretch: &Stretch,
-        instructions: &[registers::Instruction],
-    ) -> Result<(), IcedError> {
-        let row = size_of::<f64>() * self.stride;
-        let Steps {
-            inputs,
-            results,
-            constants,
-        } = stretch.steps;
-        let moves = [
-            (Register::RDI, inputs, row),
-            (Register::RSI, results, row),
-            (Register::RDX, constants, size_of::<f64>()),
-        ];
-        let moves = moves.map(|(register, step, size)| {
-            (register, i64::from(step.unwrap_or_default()) * size as i64)
-        });
-        let is_loop = stretch.count > 1;
-        if is_loop {
-            let count = stretch.count as i32;
-            self.put(Instruction::with2(
-                Code::Mov_r32_imm32,
-                Register::R9D,
-                count,
-            )?)?;
-        }
-        let start = self.length;
-        for &instruction in &instructions[stretch.instructions.clone()] {
-            let instruction = self.instruction(instruction)?;
-            self.put(instruction)?;
-        }
-        if is_loop {
-            self.advance(&moves, 1)?;
-            self.put(Instruction::with2(Code::Sub_rm64_imm8, Register::R9, 1)?)?;
-            self.put(Instruction::with_branch(Code::Jne_rel32_64, start)?)?;
-            self.advance(&moves, -(stretch.count as i64))?;
-        }
-        Ok(())
-    }
-
-    fn advance(&mut self, moves: &[(Register, i64)], times: i64) -> Result<(), IcedError> {
-        for &(register, bytes) in moves.iter().filter(|(_, bytes)| *bytes != 0) {
-            let add = Instruction::with2(Code::Add_rm64_imm32, register, bytes * times)?;
-            self.put(add)?;
-        }
-        Ok(())
     }
 
     fn put(&mut self, instruction: Instruction) -> Result<(), IcedError> {
