@@ -3,7 +3,6 @@
 use super::instructions::{InstructionSet, Kernel};
 use super::lanes::Lanes;
 use crate::traits::{Float, Pack};
-use std::hint::black_box;
 
 /// Z_i = Σ_j K_ij L_j for every component, `stages` being the number of i and of j.
 ///
@@ -140,117 +139,34 @@ struct Mix<'a> {
     stride: usize,
 }
 
-/// Calls the method for as many columns as there are, their number being a literal.
-macro_rules! by_columns {
-    ($mix:expr, $lanes:literal, $columns:expr, [$($literal:literal)*]) => {
-        match $columns {
-            $($literal => $mix.columns::<$lanes, $literal>(),)*
-            _ => $mix.any(),
-        }
-    };
-    ($mix:expr, two groups, $columns:expr, [$($literal:literal)*]) => {
-        match $columns {
-            $($literal => $mix.two_groups::<$literal>(),)*
-            _ => $mix.any(),
-        }
-    };
-}
-
 impl Kernel for Mix<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(&mut self) {
-        // Literal lengths let the compiler keep K in registers.
-        let stages = self.stages;
-        match self.stride {
-            4 => by_columns!(self, 4, stages, [2 3 4]),
-            8 => by_columns!(self, 8, stages, [5 6 7 8]),
-            16 => by_columns!(self, two groups, stages, [9 10 11 12 13 14 15 16]),
-            _ => self.any(),
+        if self.stride == 4 {
+            self.rows::<4>();
+        } else {
+            self.rows::<8>();
         }
     }
 }
 
 impl Mix<'_> {
-    /// One group of N lanes and S columns.
+    /// N stages at a time.
     #[inline(always)]
-    fn columns<const N: usize, const S: usize>(&mut self) {
-        let Some(columns) = self.k.as_chunks::<N>().0.first_chunk::<S>() else {
-            return;
-        };
-        let mut k = [Lanes::<N>::splat(0.0); S];
-        for j in 0..S {
-            k[j] = Lanes(columns[j]);
-        }
-        let (l, z) = (self.l.as_chunks::<N>().0, self.z.as_chunks_mut::<N>().0);
-        for (l, z) in l.iter().zip(z) {
-            // One component after the other: eight at a time the compiler would gather their numbers from
-            // eight rows.
-            let l = black_box(l);
-            let mut sum = k[0] * Lanes::splat(l[0]);
-            for j in 1..S {
-                sum = k[j].fused(l[j], sum);
-            }
-            *z = sum.0;
-        }
-    }
-
-    /// Two groups of 8 lanes and S columns: K is too long for the registers, and is read for two components
-    /// at a time.
-    #[inline(always)]
-    fn two_groups<const S: usize>(&mut self) {
-        let Some(columns) = self.k.as_chunks().0.as_chunks::<2>().0.first_chunk::<S>() else {
-            return;
-        };
-        let l = self.l.as_chunks::<16>().0.as_chunks::<2>();
-        let z = self.z.as_chunks_mut::<16>().0.as_chunks_mut::<2>();
-        for (l, z) in l.0.iter().zip(z.0) {
-            *z = mixed(columns, l);
-        }
-        if let ([l], [z]) = (l.1, z.1) {
-            [*z] = mixed(columns, &[*l]);
-        }
-    }
-
-    #[inline(always)]
-    fn any(&mut self) {
+    fn rows<const N: usize>(&mut self) {
         let Mix { k, l, z, .. } = self;
         let (stages, stride) = (self.stages, self.stride);
         for (l, z) in l.chunks_exact(stride).zip(z.chunks_exact_mut(stride)) {
-            for at in (0..stride).step_by(8) {
-                let mut sum = Lanes::<8>::load(&k[at..stride]) * Lanes::splat(l[0]);
+            for at in (0..stride).step_by(N) {
+                let mut sum = Lanes::<N>::load(&k[at..stride]) * Lanes::splat(l[0]);
                 for j in 1..stages {
                     let column = &k[j * stride + at..(j + 1) * stride];
-                    sum = Lanes::<8>::load(column).fused(l[j], sum);
+                    sum = Lanes::<N>::load(column).fused(l[j], sum);
                 }
                 sum.store(&mut z[at..]);
             }
         }
     }
-}
-
-/// C components, two groups of stages each.
-#[inline(always)]
-fn mixed<const C: usize, const S: usize>(
-    columns: &[[[f64; 8]; 2]; S],
-    l: &[[f64; 16]; C],
-) -> [[f64; 16]; C] {
-    let mut sums = [[Lanes::<8>::splat(0.0); 2]; C];
-    for (sums, l) in sums.iter_mut().zip(l) {
-        *sums = columns[0].map(|column| Lanes(column) * Lanes::splat(l[0]));
-    }
-    for j in 1..S {
-        for (sums, l) in sums.iter_mut().zip(l) {
-            for g in 0..2 {
-                sums[g] = Lanes(columns[j][g]).fused(l[j], sums[g]);
-            }
-        }
-    }
-    let mut z = [[0.0; 16]; C];
-    for (z, [first, last]) in z.iter_mut().zip(sums) {
-        z[..8].copy_from_slice(&first.0);
-        z[8..].copy_from_slice(&last.0);
-    }
-    z
 }
