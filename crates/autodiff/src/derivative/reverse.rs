@@ -126,7 +126,6 @@ impl Reverse<'_> {
                 let node = self.apply(op, w.node, y);
                 self.give(x, Adjoint { node, ..w });
             }
-            Op::SquareAdd | Op::RecipSqrt => unreachable!("what is replayed is not differentiated"),
             Op::Add => { self.give(x, w); self.give(y, w); }
             Op::Sub => { self.give(x, w); self.give_minus(y, w); }
             Op::Neg => self.give_minus(x, w),

@@ -41,59 +41,32 @@ pub(crate) fn compare<T: Float>(given: &[T], expected: &[T]) -> Result<(), Wrong
     Ok(())
 }
 
-/// Workspace for checks along a run, which then do not allocate.
-#[derive(Debug, Clone)]
-pub(crate) struct Checked<T> {
-    point: Vec<T>,
-    given: Vec<T>,
-    expected: Vec<T>,
-}
-
-impl<T: Float> Checked<T> {
-    pub(crate) fn new(n: usize) -> Self {
-        let zero = || vec![T::int(0); n];
-        Checked {
-            point: zero(),
-            given: zero(),
-            expected: zero(),
-        }
-    }
-
-    /// Compares the gradients at `y` by [`compare`]. If they differ, compares them at a nearby point as well,
-    /// since at a discontinuity of a derivative of H the derivative of either side is correct. `both`
-    /// evaluates the given and the expected gradient.
-    pub(crate) fn at(
-        &mut self,
-        y: &[T],
-        mut both: impl FnMut(&[T], &mut [T], &mut [T]),
-    ) -> Result<(), WrongGradient<T>> {
-        both(y, &mut self.given, &mut self.expected);
-        let Err(wrong) = compare(&self.given, &self.expected) else {
-            return Ok(());
-        };
-        beside(y, &mut self.point);
-        both(&self.point, &mut self.given, &mut self.expected);
-        match compare(&self.given, &self.expected) {
-            Ok(()) => Ok(()),
-            Err(_) => Err(wrong),
-        }
-    }
+/// `check` at `y`, and if it fails there, at a nearby point: at a discontinuity of a derivative of H the
+/// derivative of either side is correct, and differences are those of neither.
+pub(crate) fn at_or_beside<T: Float>(
+    y: &[T],
+    mut check: impl FnMut(&[T]) -> Result<(), WrongGradient<T>>,
+) -> Result<(), WrongGradient<T>> {
+    let Err(wrong) = check(y) else {
+        return Ok(());
+    };
+    check(&beside(y)).map_err(|_| wrong)
 }
 
 /// A point near `y`. Each component changes by about ⁴√ε of itself, or of the largest component of its half
 /// if it is 0. No two components change by the same share, so that equal ones become different.
-pub(crate) fn beside<T: Float>(y: &[T], point: &mut [T]) {
-    let m = y.len() / 2;
+fn beside<T: Float>(y: &[T]) -> Vec<T> {
     let share = T::EPSILON.sqrt().sqrt();
-    for (half, point) in y.chunks_exact(m).zip(point.chunks_exact_mut(m)) {
+    let moved = y.chunks_exact(y.len() / 2).flat_map(|half| {
         let of = largest(half);
         let of = if of > T::int(0) { of } else { T::int(1) };
-        for (i, (point, &y)) in point.iter_mut().zip(half).enumerate() {
+        half.iter().enumerate().map(move |(i, &y)| {
             let size = if y == T::int(0) { of } else { y };
             let golden = (0.618_033_988_75 * (i + 1) as f64).fract();
-            *point = y + share * T::exact(0.5 + golden) * size;
-        }
-    }
+            y + share * T::exact(0.5 + golden) * size
+        })
+    });
+    moved.collect()
 }
 
 /// The number of step sizes of the differences, each a 16th of the previous one.
@@ -162,7 +135,7 @@ pub(crate) fn by_differences<T: Float>(
 }
 
 /// The largest absolute value.
-fn largest<T: Float>(values: &[T]) -> T {
+pub(crate) fn largest<T: Float>(values: &[T]) -> T {
     let sizes = values.iter().map(|x| x.abs());
     sizes.fold(T::int(0), |a, b| if b > a { b } else { a })
 }

@@ -1,6 +1,6 @@
 //! [`External`]: an energy whose value and gradient are computed by user code, in doubles.
 
-use super::check::{beside, by_differences};
+use super::check::{at_or_beside, by_differences, largest};
 use super::given::{Given, GivenGradient};
 use crate::recording::recorder::MOST;
 use crate::replay::point::{Points, check_hessians};
@@ -114,21 +114,13 @@ impl<T: Float> ExternalEvaluator<T> {
         (h, (of_value + of_state) / T::EPSILON)
     }
 
-    /// If the gradients differ, they are compared at a nearby point as well, since at a discontinuity of a
-    /// derivative of H the differences are those of neither side.
+    /// Compares the gradient with differences of H.
     pub(crate) fn check_gradient(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
-        let Err(wrong) = self.check_at(y) else {
-            return Ok(());
-        };
-        let mut point = y.to_vec();
-        beside(y, &mut point);
-        self.check_at(&point).map_err(|_| wrong)
-    }
-
-    fn check_at(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
         let mut given = vec![T::int(0); y.len()];
-        let (_, bound) = self.gradient_with_bound(y, &mut given);
-        by_differences(y, (&given, bound), self.of.accuracy, |y| self.value(y))
+        at_or_beside(y, |y| {
+            let (_, bound) = self.gradient_with_bound(y, &mut given);
+            by_differences(y, (&given, bound), self.of.accuracy, |y| self.value(y))
+        })
     }
 
     /// The accuracy, relative to the largest component of ∂H/∂q and of ∂H/∂p: matrix products and Fourier
@@ -136,8 +128,7 @@ impl<T: Float> ExternalEvaluator<T> {
     pub(crate) fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
         self.given.at(y, off);
         for half in off.chunks_exact_mut(y.len() / 2) {
-            let largest = half.iter().fold(T::int(0), |most, x| most.max(x.abs()));
-            half.fill(T::exact(self.of.accuracy) * largest);
+            half.fill(T::exact(self.of.accuracy) * largest(half));
         }
     }
 
@@ -147,7 +138,6 @@ impl<T: Float> ExternalEvaluator<T> {
         self.check(&[y.len(), v.len(), product.len()]);
         let (zero, one) = (T::int(0), T::int(1));
         let m = y.len() / 2;
-        let largest = |x: &[T]| x.iter().fold(zero, |most, x| most.max(x.abs()));
         let rates = y.chunks_exact(m).zip(v.chunks_exact(m)).map(|(y, v)| {
             let of = largest(y);
             largest(v) / if of > zero { of } else { one }

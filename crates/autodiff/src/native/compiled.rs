@@ -64,7 +64,11 @@ impl Runs {
     /// Runs the code at all points. `None` if there is no code. At the first run with a layout the code is
     /// compiled, or taken from the shared code.
     #[inline]
-    pub(crate) fn run<T: Float>(&mut self, set: InstructionSet, mut batch: Batch<T>) -> Option<()> {
+    pub(crate) fn run<T: Float>(
+        &mut self,
+        set: InstructionSet,
+        batch: &mut Batch<T>,
+    ) -> Option<()> {
         let batch = batch.in_doubles()?;
         let k = self.known((set, batch.stride))?;
         let code = self.codes[k].1.as_deref()?;
@@ -126,13 +130,13 @@ mod tests {
 
     fn runs(runs: &mut Runs, set: InstructionSet, stride: usize) -> bool {
         let (states, mut values) = (vec![2.0; 2 * stride], vec![0.0; stride]);
-        let batch = Batch {
+        let mut batch = Batch {
             states: &states,
             gradients: &mut values,
             stride,
             count: stride,
         };
-        let has_run = runs.run(set, batch).is_some();
+        let has_run = runs.run(set, &mut batch).is_some();
         assert!(!has_run || values.iter().all(|&h| h == 10.0));
         has_run
     }
@@ -167,12 +171,12 @@ mod tests {
         assert_eq!(arithmetic.is_some(), has_code);
         let mut runs = Runs::new::<DoubleDouble>(|| arithmetic.clone());
         let (one, mut value) = (DoubleDouble::from(1.0), [DoubleDouble::from(0.0)]);
-        let batch = Batch {
+        let mut batch = Batch {
             states: &[one, one],
             gradients: &mut value,
             stride: 1,
             count: 1,
         };
-        assert!(runs.run(InstructionSet::best(), batch).is_none());
+        assert!(runs.run(InstructionSet::best(), &mut batch).is_none());
     }
 }

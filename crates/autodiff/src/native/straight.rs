@@ -19,9 +19,7 @@ pub(crate) fn straight(
     graph: &Graph,
     constants: impl FnOnce(&Graph) -> Vec<(u32, f64)>,
 ) -> Option<Program> {
-    let is_known = |(node, &is_constant): (&Node, &bool)| is_constant || is_arithmetic(node.op);
-    let is_small = graph.nodes.len() + graph.terms.len() <= LARGEST;
-    if !is_small || !graph.nodes.iter().zip(&graph.is_constant).all(is_known) {
+    if graph.nodes.len() + graph.terms.len() > LARGEST {
         return None;
     }
     let mut translation = Translation {
@@ -38,26 +36,6 @@ pub(crate) fn straight(
         translation.program.result(row, value);
     }
     Some(translation.program)
-}
-
-fn is_arithmetic(op: Op) -> bool {
-    use Op::*;
-    matches!(
-        op,
-        Input(_)
-            | Sum(_)
-            | Add
-            | Sub
-            | Mul
-            | Square
-            | Div
-            | Neg
-            | Recip
-            | Sqrt
-            | Abs
-            | Powi(_)
-            | HalfPower(_)
-    )
 }
 
 /// The remaining tasks for a result.

@@ -33,45 +33,15 @@ const COMPONENT: usize = 4;
 pub(super) const LENGTHS: [usize; 2] = [4, 6]; // doubles of an extended constant up to 212 bits, and beyond
 
 /// The operations without a payload. The index is the code, so another order is another format.
-pub(super) const PLAIN: [Op; 37] = [
-    Op::Add,
-    Op::Sub,
-    Op::Mul,
-    Op::Square,
-    Op::Div,
-    Op::Neg,
-    Op::Recip,
-    Op::Sqrt,
-    Op::Cbrt,
-    Op::Abs,
-    Op::Pow,
-    Op::Exp,
-    Op::Exp2,
-    Op::Ln,
-    Op::ExpM1,
-    Op::Ln1p,
-    Op::Sin,
-    Op::Cos,
-    Op::Tan,
-    Op::Asin,
-    Op::Acos,
-    Op::Atan,
-    Op::Atan2,
-    Op::Sinh,
-    Op::Cosh,
-    Op::Tanh,
-    Op::Asinh,
-    Op::Acosh,
-    Op::Atanh,
-    Op::Erf,
-    Op::Erfc,
-    Op::Hypot,
-    Op::Min,
-    Op::Max,
-    Op::Sign,
-    Op::AtMost,
-    Op::WhereNonzero,
-];
+#[rustfmt::skip]
+pub(super) const PLAIN: [Op; 37] = {
+    use Op::*;
+    [
+        Add, Sub, Mul, Square, Div, Neg, Recip, Sqrt, Cbrt, Abs, Pow, Exp, Exp2, Ln, ExpM1, Ln1p, Sin,
+        Cos, Tan, Asin, Acos, Atan, Atan2, Sinh, Cosh, Tanh, Asinh, Acosh, Atanh, Erf, Erfc, Hypot, Min,
+        Max, Sign, AtMost, WhereNonzero,
+    ]
+};
 
 /// The codes of operations with a payload.
 pub(super) const CONSTANT: u8 = 200;

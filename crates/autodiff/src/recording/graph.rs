@@ -78,50 +78,6 @@ impl Graph {
         self.roots[0]
     }
 
-    /// The same operations with other results.
-    fn with_roots(&self, roots: Vec<u32>) -> Graph {
-        Graph {
-            nodes: self.nodes.clone(),
-            constants: self.constants.clone(),
-            functions: self.functions.clone(),
-            terms: self.terms.clone(),
-            sums: self.sums.clone(),
-            is_constant: self.is_constant.clone(),
-            inputs: self.inputs,
-            roots,
-        }
-    }
-
-    /// A graph with these operations, except those that are `taken` out, which no other operation needs.
-    pub(crate) fn without(&self, taken: &[bool], nodes: Vec<Node>) -> Graph {
-        let mut renumbered = vec![0; nodes.len()];
-        let mut left = Vec::with_capacity(nodes.len());
-        let mut is_constant = Vec::with_capacity(nodes.len());
-        for (i, Node { op, a, b }) in nodes.into_iter().enumerate() {
-            if !taken[i] {
-                renumbered[i] = left.len() as u32;
-                let (a, b) = (renumbered[a as usize], renumbered[b as usize]);
-                left.push(Node { op, a, b });
-                is_constant.push(self.is_constant[i]);
-            }
-        }
-        let roots = self.roots.iter().map(|&node| renumbered[node as usize]);
-        let terms = self.terms.iter().map(|&Term { node, minus }| Term {
-            node: renumbered[node as usize],
-            minus,
-        });
-        Graph {
-            inputs: self.inputs,
-            nodes: left,
-            constants: self.constants.clone(),
-            functions: self.functions.clone(),
-            terms: terms.collect(),
-            sums: self.sums.clone(),
-            roots: roots.collect(),
-            is_constant,
-        }
-    }
-
     /// Whether a sum of at least `terms` terms depends on the state.
     pub(crate) fn has_sum_of(&self, terms: usize) -> bool {
         let mut nodes = self.nodes.iter().zip(&self.is_constant);
@@ -134,11 +90,32 @@ impl Graph {
     /// A graph of all nodes that depend on constants only, all of them results, and the indices of these
     /// nodes here.
     pub(crate) fn constants_only(&self) -> (Graph, Vec<u32>) {
-        let is_constant = |&i: &u32| self.is_constant[i as usize];
-        let roots: Vec<u32> = (0..self.nodes.len() as u32).filter(is_constant).collect();
-        let others: Vec<bool> = self.is_constant.iter().map(|constant| !constant).collect();
-        let constants = self.with_roots(roots.clone());
-        (constants.without(&others, self.nodes.clone()), roots)
+        let constant = (0..self.nodes.len()).filter(|&i| self.is_constant[i]);
+        let found: Vec<u32> = constant.map(|i| i as u32).collect();
+        let mut renumbered = vec![0; self.nodes.len()];
+        for (new, &old) in (0..).zip(&found) {
+            renumbered[old as usize] = new;
+        }
+        let node = |&i: &u32| {
+            let Node { op, a, b } = self.nodes[i as usize];
+            let (a, b) = (renumbered[a as usize], renumbered[b as usize]);
+            Node { op, a, b }
+        };
+        let term = |&Term { node, minus }: &Term| {
+            let node = renumbered[node as usize];
+            Term { node, minus }
+        };
+        let constants = Graph {
+            inputs: self.inputs,
+            nodes: found.iter().map(node).collect(),
+            constants: self.constants.clone(),
+            functions: self.functions.clone(),
+            terms: self.terms.iter().map(term).collect(),
+            sums: self.sums.clone(),
+            roots: (0..found.len() as u32).collect(),
+            is_constant: vec![true; found.len()],
+        };
+        (constants, found)
     }
 
     /// The constant exponent of an operation.

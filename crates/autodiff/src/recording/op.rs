@@ -58,7 +58,7 @@ pub(crate) enum Op {
         function: u32,
         orders: [u8; 2],
     },
-    /// The sign, as in [`Piecewise`](equip_scalar::Piecewise): −1, 0 or 1.
+    /// The sign, as in [`Scalar`](equip_scalar::Scalar::signum): −1, 0 or 1.
     Sign,
     /// 1 where a ≤ b, else 0.
     AtMost,
@@ -67,10 +67,6 @@ pub(crate) enum Op {
     /// The derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants.
     /// Occurs in derivatives only.
     PowfDerivative(u32),
-    /// a² + b: two operations replayed as one.
-    SquareAdd,
-    /// 1/√a: two operations replayed as one.
-    RecipSqrt,
 }
 
 /// The second derivatives of an operation by its operands a and b that can be non-zero.
@@ -103,16 +99,7 @@ impl Op {
             | Op::Outside { .. }
             | Op::AtMost
             | Op::WhereNonzero
-            | Op::PowfDerivative(_)
-            | Op::SquareAdd => 2,
-            _ => 1,
-        }
-    }
-
-    /// The number of arithmetic operations or function calls that this operation replaces.
-    pub(crate) fn count(self) -> usize {
-        match self {
-            Op::SquareAdd | Op::RecipSqrt => 2,
+            | Op::PowfDerivative(_) => 2,
             _ => 1,
         }
     }

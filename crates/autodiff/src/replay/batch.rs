@@ -11,24 +11,6 @@ pub(crate) struct Batch<'a, T> {
     pub(crate) count: usize,
 }
 
-impl<'a> Batch<'a, f64> {
-    /// `None` if the numbers are not `f64`.
-    #[inline(always)]
-    pub(crate) fn of_doubles<T: Float>(
-        states: &'a [T],
-        gradients: &'a mut [T],
-        stride: usize,
-        count: usize,
-    ) -> Option<Self> {
-        Some(Batch {
-            states: T::as_doubles(states)?,
-            gradients: T::as_doubles_mut(gradients)?,
-            stride,
-            count,
-        })
-    }
-}
-
 impl<T: Float> Batch<'_, T> {
     /// A single point.
     pub(crate) fn one<'a>(state: &'a [T], gradient: &'a mut [T]) -> Batch<'a, T> {
@@ -40,18 +22,14 @@ impl<T: Float> Batch<'_, T> {
         }
     }
 
-    /// The same batch, reborrowed.
-    pub(crate) fn reborrow(&mut self) -> Batch<'_, T> {
-        Batch {
-            states: self.states,
-            gradients: &mut *self.gradients,
+    /// The same batch if the numbers are doubles.
+    #[inline(always)]
+    pub(crate) fn in_doubles(&mut self) -> Option<Batch<'_, f64>> {
+        Some(Batch {
+            states: T::as_doubles(self.states)?,
+            gradients: T::as_doubles_mut(self.gradients)?,
             stride: self.stride,
             count: self.count,
-        }
-    }
-
-    /// The same batch if the numbers are doubles.
-    pub(crate) fn in_doubles(&mut self) -> Option<Batch<'_, f64>> {
-        Batch::of_doubles(self.states, &mut *self.gradients, self.stride, self.count)
+        })
     }
 }

@@ -27,8 +27,6 @@ macro_rules! each {
     }};
 }
 
-const ONE: Constant = Constant::double(1.0);
-
 const fn half(n: i32) -> Constant {
     Constant::double(0.5 * n as f64)
 }
@@ -51,8 +49,6 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
             Op::Neg => each!(step, |x| -x),
             Op::Recip => each!(step, |x| S::recip(x)),
             Op::Sqrt => each!(step, |x| S::sqrt(x)),
-            Op::SquareAdd => each!(step, |x, y| x * x + y),
-            Op::RecipSqrt => each!(step, |x| S::constant(ONE) / S::sqrt(x)),
             // A constant exponent lets the compiler unroll the multiplications.
             Op::Powi(3) => each!(step, |x| S::powi(x, 3)),
             Op::Powi(4) => each!(step, |x| S::powi(x, 4)),

@@ -316,3 +316,42 @@ impl<'a> Layout<'a> {
         self.tape.sums[sum] = first_segment..self.tape.segments.len();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Blocks, Tape, layout};
+    use crate::Var;
+    use crate::derivative::reverse::differentiate;
+    use crate::recording::graph::Graph;
+    use crate::recording::trace::record;
+    use crate::replay::values::Replay;
+
+    #[test]
+    fn blocks_have_the_bits_of_one_block() {
+        let m = 400;
+        let recording = record(m, |q, _| {
+            let shared = (q[0] * q[0]).exp();
+            let r2 = q.iter().map(|&q| q * q).sum::<Var>();
+            let springs = q.windows(2).map(|q| {
+                let d = q[1] - q[0];
+                shared * (d * d) + (d * d + 0.25 * (q[0] * q[0])).sqrt()
+            });
+            springs.sum::<Var>() + q[m - 1] / r2.sqrt() + 1.0 / (q[1] * q[1] + q[2] * q[2]).sqrt()
+        })
+        .unwrap_or_else(|e| panic!("{e}"));
+        let mut recorder = recording.resume();
+        let derivatives = differentiate(&mut recorder, recording.root);
+        let graph = || Graph::new(&recorder, &derivatives);
+        let results = |tape: Tape| -> Vec<u64> {
+            let mut replay = Replay::<f64>::new(&tape);
+            let number = |k: usize| ((k * k + 3) as f64 * 0.37).sin();
+            let bits = |x: &f64| x.to_bits();
+            replay.run(&tape, number).iter().map(bits).collect()
+        };
+        let expected = results(layout(&graph(), Blocks::One));
+        let in_blocks = layout(&graph(), Blocks::InCache);
+        assert!(in_blocks.blocks.len() > 2 && in_blocks.copies.len() > 2);
+        assert_eq!(results(in_blocks), expected);
+        assert!(expected.iter().any(|&x| x != expected[0]));
+    }
+}

@@ -117,7 +117,7 @@ impl Tape {
     pub(crate) fn operations(&self) -> usize {
         let own = |run: &Run| match run.op {
             Op::Sum(k) => self.terms_of(k as usize).saturating_sub(1),
-            op => op.count() * run.slots.len(),
+            _ => run.slots.len(),
         };
         self.runs.iter().map(own).sum()
     }

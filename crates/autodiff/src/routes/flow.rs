@@ -33,7 +33,7 @@ impl<T: Float> Evaluator<T> {
     pub fn flow_gradient(&mut self, y: &[T], w: &mut [T]) {
         self.gradients(y, w, y.len());
         if let Some(turned) = &mut self.bracket {
-            turned.turn_one(y, w);
+            turned.turn(y, w, 1, 1);
         }
     }
 
@@ -165,15 +165,6 @@ impl<T: Float> Turned<T> {
         for (to, from) in rows {
             to[..count].copy_from_slice(&from[..count]);
         }
-    }
-
-    /// Replaces ∇H at `y` by w.
-    fn turn_one(&mut self, y: &[T], gradient: &mut [T]) {
-        self.set((y, gradient), 1, 1);
-        self.of_form.resize(self.points.len(), T::int(0));
-        let n = self.points.len();
-        (ready::<T>().gradients)(&mut self.form, &self.points, &mut self.of_form, n);
-        self.take(gradient, 1);
     }
 
     /// Replaces ∇H at `count` states by w, component by component.

@@ -1,9 +1,7 @@
-//! [`Many`]: a trace evaluated at many points at once.
+//! [`One`], [`Many`]: a trace evaluated at a single point, or at many at once.
 //!
-//! Points are processed in groups of 8. Doubles are processed in groups of 4 if the rows are short, and in
-//! groups of 16 if the rows have that length and the tape is short: more points then share the cost of
-//! decoding an operation, whereas the values of a long tape would need twice the cache. Memory: one number
-//! for each slot of the tape and each point of a group, for each width in use.
+//! Points are processed in groups of 8, doubles in groups of 4 if the rows are short. Memory: one number for
+//! each slot of the tape and each point of a group, for each width in use.
 
 use crate::native::compiled::Runs;
 use crate::native::fused::Called;
@@ -12,24 +10,45 @@ use crate::replay::forward::forward;
 use crate::replay::tape::{Tape, Transfer};
 use crate::replay::values::{Replay, constants};
 use crate::routes::results::Results;
-use equip_scalar::{Float, InstructionSet, Kernel, Lanes, Pack};
+use equip_scalar::{Float, InstructionSet, Kernel, Pack};
 
-/// Uses machine code; without it the tape over lanes, or point by point for types without lanes. Workspace is
-/// allocated only for what is used.
+/// Uses machine code, or the tape without it. Workspace is allocated only for what is used.
 #[derive(Debug, Clone)]
-pub(crate) struct Many<T: Float> {
+pub(crate) struct One<T> {
     runs: Option<Runs>,
-    in_lanes: Option<InLanes<T>>,
-    one_by_one: Option<Replay<T>>,
+    replay: Option<Replay<T>>,
 }
 
-impl<T: Float> Many<T> {
+impl<T: Float> One<T> {
     pub(crate) fn new() -> Self {
-        Many {
+        One {
             runs: None,
-            in_lanes: None,
-            one_by_one: None,
+            replay: None,
         }
+    }
+
+    /// The results at y.
+    pub(crate) fn run(&mut self, set: InstructionSet, of: &Results, y: &[T], results: &mut [T]) {
+        if self
+            .runs(of)
+            .run(set, &mut Batch::one(y, results))
+            .is_none()
+        {
+            let tape = of.one();
+            results.copy_from_slice(self.replay(of).run(tape, |k| y[k]));
+        }
+    }
+
+    /// The results at y, with long sums compensated.
+    pub(crate) fn run_compensated(
+        &mut self,
+        set: InstructionSet,
+        of: &Results,
+        y: &[T],
+        results: &mut [T],
+    ) {
+        let tape = of.one();
+        results.copy_from_slice(self.replay(of).run_compensated(set, tape, |k| y[k]));
     }
 
     #[inline]
@@ -37,62 +56,38 @@ impl<T: Float> Many<T> {
         (self.runs).get_or_insert_with(|| Runs::new::<T>(|| of.compiled(constants).clone()))
     }
 
-    pub(crate) fn run(&mut self, set: InstructionSet, of: &Results, mut batch: Batch<T>) {
-        if self.runs(of).run(set, batch.reborrow()).is_some() {
-            return;
-        }
-        let tape = of.many();
-        if const { T::WIDTH > 1 } {
-            let lanes = self.in_lanes.get_or_insert_with(|| InLanes::new(tape));
-            lanes.run(set, tape, &mut batch);
-        } else {
-            let replay = self.one_by_one.get_or_insert_with(|| Replay::new(tape));
-            replay.each(tape, batch);
-        }
-    }
-
-    /// Machine code for rows of `stride` numbers that needs no scratch memory.
-    #[inline]
-    pub(crate) fn called(
-        &mut self,
-        set: InstructionSet,
-        of: &Results,
-        stride: usize,
-    ) -> Option<Called<'_>> {
-        self.runs(of).without_scratch(set, stride).map(Called)
+    fn replay(&mut self, of: &Results) -> &mut Replay<T> {
+        self.replay.get_or_insert_with(|| Replay::new(of.one()))
     }
 }
 
-/// The largest number of slots of a tape that is replayed at 16 points at once: 64 KiB.
-const SHORT: usize = 512;
-
-/// The workspace of one tape for all widths.
+/// Uses machine code; without it the tape over lanes, or point by point for types without lanes. Workspace is
+/// allocated only for what is used.
 #[derive(Debug, Clone)]
-struct InLanes<T: Float> {
+pub(crate) struct Many<T: Float> {
+    pub(super) one: One<T>,
     four: Option<Replay<T::Pack<4>>>,
     eight: Option<Replay<T::Pack<8>>>,
-    /// For doubles, with a short tape.
-    sixteen: Option<Replay<Lanes<16>>>,
 }
 
-impl<T: Float> InLanes<T> {
-    fn new(tape: &Tape) -> Self {
-        InLanes {
+impl<T: Float> Many<T> {
+    pub(crate) fn new() -> Self {
+        Many {
+            one: One::new(),
             four: None,
             eight: None,
-            sixteen: (T::IS_DOUBLE && tape.slots <= SHORT).then(|| Replay::packs(tape)),
         }
     }
 
-    fn run(&mut self, set: InstructionSet, tape: &Tape, batch: &mut Batch<T>) {
-        let sixteen = self.sixteen.as_mut().filter(|_| batch.stride == 16);
-        if let (Some(replay), Some(mut batch)) = (sixteen, batch.in_doubles()) {
-            set.run(&mut Group::<f64, 16> {
-                tape,
-                replay,
-                batch: &mut batch,
-            });
-        } else if const { T::IS_DOUBLE } && batch.stride <= 4 {
+    pub(crate) fn run(&mut self, set: InstructionSet, of: &Results, mut batch: Batch<T>) {
+        if self.one.runs(of).run(set, &mut batch).is_some() {
+            return;
+        }
+        if const { T::WIDTH == 1 } {
+            return self.one.replay(of).each(of.one(), batch);
+        }
+        let (tape, batch) = (of.many(), &mut batch);
+        if const { T::IS_DOUBLE } && batch.stride <= 4 {
             let replay = self.four.get_or_insert_with(|| Replay::packs(tape));
             set.run(&mut Group::<T, 4> {
                 tape,
@@ -107,6 +102,17 @@ impl<T: Float> InLanes<T> {
                 batch,
             });
         }
+    }
+
+    /// Machine code for rows of `stride` numbers that needs no scratch memory.
+    #[inline]
+    pub(crate) fn called(
+        &mut self,
+        set: InstructionSet,
+        of: &Results,
+        stride: usize,
+    ) -> Option<Called<'_>> {
+        self.one.runs(of).without_scratch(set, stride).map(Called)
     }
 }
 

@@ -3,7 +3,6 @@
 pub(crate) mod evaluator;
 pub(crate) mod flow;
 pub(crate) mod many;
-pub(crate) mod one;
 pub(crate) mod results;
 pub(crate) mod state_function;
 pub(crate) mod switches;

@@ -3,7 +3,6 @@
 use crate::native::compiled::Compiled;
 use crate::native::straight::straight;
 use crate::recording::graph::Graph;
-use crate::recording::peephole::peephole;
 use crate::replay::layout::{Blocks, layout};
 use crate::replay::tape::Tape;
 use std::sync::{Arc, OnceLock};
@@ -29,13 +28,13 @@ impl Results {
 
     /// The tape for single points.
     pub(crate) fn one(&self) -> &Tape {
-        let tape = || layout(&peephole(&self.graph), Blocks::One);
+        let tape = || layout(&self.graph, Blocks::One);
         self.one.get_or_init(tape)
     }
 
     /// The tape for many points at once.
     pub(crate) fn many(&self) -> &Tape {
-        let tape = || layout(&peephole(&self.graph), Blocks::InCache);
+        let tape = || layout(&self.graph, Blocks::InCache);
         self.many.get_or_init(tape)
     }
 

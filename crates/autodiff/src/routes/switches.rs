@@ -4,7 +4,7 @@
 //! switching functions are appended to one trace of H, so that common subexpressions are computed once. The
 //! arguments of functions with a domain are traced in the same way ([`Domains`]).
 
-use super::one::One;
+use super::many::One;
 use super::results::Results;
 use crate::hamiltonian::{Energy, Hamiltonian};
 use crate::recording::graph::Graph;
@@ -49,7 +49,7 @@ pub enum SwitchKind {
 /// assert_eq!(g, [0.25]);
 /// # Ok::<(), equip_autodiff::BuildError>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Switches {
     kinds: Vec<SwitchKind>,
     bends: Vec<bool>,
@@ -72,12 +72,7 @@ impl Hamiltonian {
 impl Switches {
     /// For an H without a trace, or a smooth H.
     pub fn none() -> Self {
-        Switches {
-            kinds: Vec::new(),
-            bends: Vec::new(),
-            domains: Domains::none(),
-            results: None,
-        }
+        Switches::default()
     }
 
     fn of(recording: &Recording) -> Self {
@@ -255,7 +250,7 @@ pub struct OutsideDomain<T> {
 
 /// The arguments of functions of H that have a domain, such as tables that do not extrapolate, from
 /// [`Switches::domains`].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Domains {
     /// The first and the last argument.
     ranges: Vec<[f64; 2]>,
@@ -264,13 +259,6 @@ pub struct Domains {
 }
 
 impl Domains {
-    fn none() -> Self {
-        Domains {
-            ranges: Vec::new(),
-            results: None,
-        }
-    }
-
     fn of(recording: &Recording) -> Self {
         let recorder = recording.resume();
         let (mut nodes, mut ranges): (Vec<u32>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());

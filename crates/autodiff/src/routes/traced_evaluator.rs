@@ -1,7 +1,6 @@
 //! [`TracedEvaluator`]: the evaluations of a trace in one float type.
 
-use super::many::Many;
-use super::one::One;
+use super::many::{Many, One};
 use super::traced::{Derived, Hessian};
 use crate::derivative::rounded::Rounded;
 use crate::replay::batch::Batch;
@@ -17,13 +16,11 @@ pub(crate) struct TracedEvaluator<T: Float> {
     pub(super) shared: Arc<Derived>,
     pub(super) set: InstructionSet,
     energy: One<T>,
-    gradient: One<T>,
     with_bound: One<T>,
     /// ∇H, the running error bound and H.
     bounded: Vec<T>,
     duals: Option<Replay<T::Forward<1>>>,
     rounded: Option<Replay<Rounded<T>>>,
-    hessian: One<T>,
     hessians: Many<T>,
     points: Points<T>,
     pub(super) gradients: Many<T>,
@@ -37,12 +34,10 @@ impl<T: Float> TracedEvaluator<T> {
             shared: Arc::clone(of),
             set: InstructionSet::best(),
             energy: One::new(),
-            gradient: One::new(),
             with_bound: One::new(),
             bounded: Vec::new(),
             duals: None,
             rounded: None,
-            hessian: One::new(),
             hessians: Many::new(),
             points: Points::default(),
             gradients: Many::new(),
@@ -98,7 +93,7 @@ impl<T: Float> TracedEvaluator<T> {
         self.check(&[n]);
         let of = self.shared.gradient();
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
-            self.gradient.run(self.set, of, y, gradient);
+            self.gradients.one.run(self.set, of, y, gradient);
         }
     }
 
@@ -184,7 +179,7 @@ impl<T: Float> TracedEvaluator<T> {
         let structure = &shared.structure;
         check_hessians(rows_of(structure), [y.len(), entries.len()], 1, 1);
         match shared.hessian() {
-            Hessian::Recorded(of) => self.hessian.run(self.set, of, y, entries),
+            Hessian::Recorded(of) => self.hessians.one.run(self.set, of, y, entries),
             Hessian::ByColours(colouring) => {
                 let product_into = |v: &[T], product: &mut [T]| self.hessian_times(y, v, product);
                 colouring.entries(&structure.hessian, product_into, entries);

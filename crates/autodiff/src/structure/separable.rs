@@ -7,36 +7,22 @@
 use crate::recording::graph::Graph;
 use crate::recording::op::Op;
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-struct Depends {
-    on_q: bool,
-    on_p: bool,
-}
-
 /// Whether H is a sum of a function of q and a function of p.
 pub(crate) fn is_separable(graph: &Graph) -> bool {
     let m = graph.inputs / 2;
-    let mut depends: Vec<Depends> = Vec::with_capacity(graph.nodes.len());
+    // On positions, on momenta.
+    let mut depends: Vec<[bool; 2]> = Vec::with_capacity(graph.nodes.len());
     for (i, node) in graph.nodes.iter().enumerate() {
         let own = match node.op {
-            Op::Input(k) => Depends {
-                on_q: (k as usize) < m,
-                on_p: (k as usize) >= m,
-            },
-            _ => graph.operands(i).map(|x| depends[x as usize]).fold(
-                Depends {
-                    on_q: false,
-                    on_p: false,
-                },
-                |all, x| Depends {
-                    on_q: all.on_q || x.on_q,
-                    on_p: all.on_p || x.on_p,
-                },
-            ),
+            Op::Input(k) => [(k as usize) < m, (k as usize) >= m],
+            _ => graph.operands(i).fold([false; 2], |[on_q, on_p], x| {
+                let [x_on_q, x_on_p] = depends[x as usize];
+                [on_q || x_on_q, on_p || x_on_p]
+            }),
         };
         depends.push(own);
     }
-    let mixed = |i: usize| depends[i].on_q && depends[i].on_p;
+    let mixed = |i: usize| depends[i] == [true; 2];
     let mut is_term = vec![false; graph.nodes.len()];
     is_term[graph.root() as usize] = true;
     for i in (0..=graph.root() as usize).rev().filter(|&i| mixed(i)) {
