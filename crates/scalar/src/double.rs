@@ -2,7 +2,7 @@
 
 use crate::constant::Words;
 use crate::error::ParseFloatError;
-use crate::forward::{Forward, Forward2};
+use crate::forward::Forward;
 use crate::kernels::Lanes;
 use crate::traits::{Float, Outside, Scalar, scalar_glue};
 use std::sync::Arc;
@@ -53,7 +53,6 @@ impl Float for f64 {
     const WIDTH: usize = 8;
     type Pack<const N: usize> = Lanes<N>;
     type Forward<const N: usize> = Forward<f64, N>;
-    type Forward2<const N: usize> = Forward2<f64, N>;
 
     #[inline(always)]
     fn exact(x: f64) -> f64 {

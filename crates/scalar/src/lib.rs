@@ -4,7 +4,6 @@
 //! |---|---|
 //! | [`Scalar`] | arithmetic and elementary functions, **no ordering**: what an energy H may use |
 //! | [`Float`] | a [`Scalar`] with ordering, ε, exact ratios, parsed decimals: what the integrator computes in |
-//! | [`Piecewise`] | a [`Scalar`] whose piecewise functions can be differentiated: sign, selection |
 //! | [`Outside`] | a function with its derivatives that is no composition of operations: a table |
 //! | [`Recording`] | the one [`Scalar`] without a value; its comparisons are noted and refused |
 //! | [`Num`] | the wrapper a user's generic energy sees: `0.5 * q[0]`, `q[0].sin()`, never `q[0] < 1.0` |
@@ -14,7 +13,7 @@
 //! | [`Lanes`], [`DoubleDoubles`] | N doubles or double-doubles at once, one for each stage; vector instructions inside a [`Kernel`] |
 //! | [`Pack`] | either of them, in generic code |
 //! | [`power`] | log₂, 2ˣ and xᵃ to eight digits, the same bits on every machine: for choices, not for results |
-//! | [`Forward`], [`Forward2`] | dual numbers with first, with first and second derivatives (through num-dual) |
+//! | [`Forward`] | dual numbers with first derivatives (through num-dual) |
 //!
 //! `Scalar` declares its functions without a receiver (`S::sin(x)`, not `x.sin()`), so that in code generic
 //! over [`Float`] the call `x.sin()` means nalgebra's [`RealField`](nalgebra::RealField) and nothing else.
@@ -41,7 +40,7 @@ mod traits;
 pub use constant::{Constant, Words, Written, decimal, ratio};
 pub use double_double::{DoubleDouble, DoubleDoubles};
 pub use error::ParseFloatError;
-pub use forward::{Forward, Forward2};
+pub use forward::Forward;
 pub use kernels::power;
 pub use kernels::stages::mix_stages;
 pub use kernels::{InstructionSet, Kernel, Lanes};
@@ -51,6 +50,4 @@ pub use own::{Arithmetic, Own};
 pub use ready::same;
 #[doc(hidden)]
 pub use traits::plain;
-pub use traits::{
-    Attempt, FirstOrder, Float, Outside, Pack, Piecewise, Recording, Scalar, SecondOrder,
-};
+pub use traits::{Attempt, FirstOrder, Float, Outside, Pack, Recording, Scalar};

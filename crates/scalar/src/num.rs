@@ -214,18 +214,14 @@ macro_rules! operator {
                 self.$f(*other)
             }
         }
-        impl<S: Scalar> $op<Num<S>> for &Num<S> {
+        impl<S: Scalar, R> $op<R> for &Num<S>
+        where
+            Num<S>: $op<R, Output = Num<S>>,
+        {
             type Output = Num<S>;
             #[inline(always)]
-            fn $f(self, other: Num<S>) -> Num<S> {
+            fn $f(self, other: R) -> Num<S> {
                 (*self).$f(other)
-            }
-        }
-        impl<S: Scalar> $op<&Num<S>> for &Num<S> {
-            type Output = Num<S>;
-            #[inline(always)]
-            fn $f(self, other: &Num<S>) -> Num<S> {
-                (*self).$f(*other)
             }
         }
         impl<S: Scalar, R> $op_assign<R> for Num<S>
@@ -243,13 +239,6 @@ macro_rules! operator {
                 #[inline(always)]
                 fn $f(self, other: $kind) -> Self {
                     self.$f(Num::from(other))
-                }
-            }
-            impl<S: Scalar> $op<$kind> for &Num<S> {
-                type Output = Num<S>;
-                #[inline(always)]
-                fn $f(self, other: $kind) -> Num<S> {
-                    (*self).$f(Num::from(other))
                 }
             }
             impl<S: Scalar> $op<Num<S>> for $kind {

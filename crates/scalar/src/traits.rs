@@ -6,16 +6,14 @@ mod float;
 pub(crate) mod half_power;
 mod outside;
 mod pack;
-mod piecewise;
 mod recording;
 mod scalar;
 
-pub use derivatives::{FirstOrder, SecondOrder};
+pub use derivatives::FirstOrder;
 pub use digits::plain;
 pub use float::Float;
 pub(crate) use float::scalar_glue;
 pub use outside::Outside;
 pub use pack::Pack;
-pub use piecewise::Piecewise;
 pub use recording::{Attempt, Recording};
 pub use scalar::Scalar;

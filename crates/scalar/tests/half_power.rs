@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use equip_scalar::{
-    Constant, DoubleDouble, Float, InstructionSet, Kernel, Pack, Piecewise, Scalar, decimal, ratio,
+    Constant, DoubleDouble, Float, InstructionSet, Kernel, Pack, Scalar, decimal, ratio,
 };
 
 fn odd() -> impl Iterator<Item = i32> {
@@ -61,7 +61,7 @@ impl<T: Float, const N: usize> Kernel for Powers<T, N> {
     fn run(&mut self) -> Self::Output {
         let x = T::Pack::<N>::of(&self.0);
         let power = Scalar::powf(x, self.1);
-        [power, Piecewise::powf_derivative(x, power, self.1)].map(Pack::numbers)
+        [power, Scalar::powf_derivative(x, power, self.1)].map(Pack::numbers)
     }
 }
 
@@ -77,7 +77,7 @@ fn in_lanes<T: Float>() {
                     let found = set.run(&mut Powers::<T, 4>(*x, c));
                     for (k, &x) in x.iter().enumerate() {
                         let power = <T as Scalar>::powf(x, c);
-                        let expected = [power, Piecewise::powf_derivative(x, power, c)];
+                        let expected = [power, Scalar::powf_derivative(x, power, c)];
                         let found = found.map(|found| found[k]);
                         assert!(
                             same(found[0], expected[0]),

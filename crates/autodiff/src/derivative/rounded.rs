@@ -4,11 +4,11 @@
 //! Accuracy and Stability of Numerical Algorithms, 2002, section 3.3), to first order, in the units of the
 //! component. Each operation counts ε, including powers and tables. Exact operations do not count: changes of
 //! sign, products with powers of two, 2x as x + x, x + 0, selections, arithmetic on small integers. Constants
-//! have the same rounding at every state, and do not count. The functions of the underlying float type
-//! compute the value, so it agrees bit for bit with the plain replay.
+//! have the same rounding at every state, and do not count. Functions and their derivatives are those of dual
+//! numbers.
 
 use super::exact::is_power_of_two;
-use equip_scalar::{Constant, Float, Outside, Piecewise, Scalar};
+use equip_scalar::{Constant, FirstOrder, Float, Outside, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
@@ -28,13 +28,35 @@ impl<T: Float> Rounded<T> {
         }
     }
 
-    /// f(x), given f and f′ at the value.
+    /// f(x): dual numbers propagate the error of x, and f is rounded.
     #[inline(always)]
-    fn chain(self, f: T, derivative: T) -> Self {
+    fn through(self, f: impl FnOnce(T::Forward<1>) -> T::Forward<1>) -> Self {
+        let f = f(self.dual(self.error));
         Rounded {
-            value: f,
-            error: (derivative * self.error).abs() + T::EPSILON * f.abs(),
+            value: f.value(),
+            error: f.gradient()[0].abs() + T::EPSILON * f.value().abs(),
         }
+    }
+
+    /// f(x, y): dual numbers propagate the error of one after the other, and f is rounded.
+    #[inline(always)]
+    fn through_two(
+        self,
+        other: Self,
+        f: impl Fn(T::Forward<1>, T::Forward<1>) -> T::Forward<1>,
+    ) -> Self {
+        let zero = T::int(0);
+        let by_x = self.through(|x| f(x, other.dual(zero)));
+        let by_y = f(self.dual(zero), other.dual(other.error));
+        Rounded {
+            error: by_x.error + by_y.gradient()[0].abs(),
+            ..by_x
+        }
+    }
+
+    #[inline(always)]
+    fn dual(self, derivative: T) -> T::Forward<1> {
+        T::Forward::with_gradient(self.value, [derivative])
     }
 
     /// f(x, y), given f and its partial derivatives at the values.
@@ -168,14 +190,20 @@ impl<T: Float> Neg for Rounded<T> {
 }
 
 macro_rules! functions {
-    ($($name:ident: |$x:ident, $f:ident| $derivative:expr;)*) => {$(
-        #[inline(always)]
-        fn $name(x: Self) -> Self {
-            let $x = x.value;
-            let $f = <T as Scalar>::$name($x);
-            x.chain($f, $derivative)
-        }
-    )*};
+    ($($f:ident),*; $($g:ident),*) => {
+        $(
+            #[inline(always)]
+            fn $f(x: Self) -> Self {
+                x.through(Scalar::$f)
+            }
+        )*
+        $(
+            #[inline(always)]
+            fn $g(x: Self, y: Self) -> Self {
+                x.through_two(y, Scalar::$g)
+            }
+        )*
+    };
 }
 
 impl<T: Float> Scalar for Rounded<T> {
@@ -183,59 +211,14 @@ impl<T: Float> Scalar for Rounded<T> {
     fn constant(c: Constant) -> Self {
         Rounded::fixed(c.to())
     }
-
     #[inline(always)]
     fn powi(x: Self, n: i32) -> Self {
-        let derivative = match n {
-            0 => T::int(0),
-            1 => T::int(1),
-            2 => x.value + x.value,
-            _ => T::int(i64::from(n)) * <T as Scalar>::powi(x.value, n.saturating_sub(1)),
-        };
-        x.chain(<T as Scalar>::powi(x.value, n), derivative)
+        x.through(|x| Scalar::powi(x, n))
     }
-
     #[inline(always)]
     fn powf(x: Self, c: Constant) -> Self {
-        let exponent: T = c.to();
-        let less_one = Constant::from_expansion((exponent - T::int(1)).expansion());
-        let derivative = exponent * <T as Scalar>::powf(x.value, less_one);
-        x.chain(
-            <T as Scalar>::powf(x.value, c),
-            Piecewise::where_nonzero(derivative, exponent),
-        )
+        x.through(|x| Scalar::powf(x, c))
     }
-
-    #[inline(always)]
-    fn pow(x: Self, y: Self) -> Self {
-        let f = <T as Scalar>::pow(x.value, y.value);
-        let by_x = y.value * <T as Scalar>::pow(x.value, y.value - T::int(1));
-        let by_y = f * <T as Scalar>::ln(x.value);
-        let by_x = Piecewise::where_nonzero(by_x, y.value);
-        let by_y = Piecewise::where_nonzero(by_y, f);
-        // ln x is infinite at x = 0. With a constant exponent it must not cause NaN.
-        let by_y = if y.error == T::int(0) {
-            T::int(0)
-        } else {
-            by_y
-        };
-        x.chain2(y, f, by_x, by_y)
-    }
-
-    #[inline(always)]
-    fn atan2(y: Self, x: Self) -> Self {
-        let r = <T as Scalar>::hypot(x.value, y.value);
-        let f = <T as Scalar>::atan2(y.value, x.value);
-        y.chain2(x, f, x.value / r / r, -(y.value / r / r))
-    }
-
-    #[inline(always)]
-    fn hypot(x: Self, y: Self) -> Self {
-        let f = <T as Scalar>::hypot(x.value, y.value);
-        let [by_x, by_y] = [x.value, y.value].map(|z| Piecewise::where_nonzero(z / f, f));
-        x.chain2(y, f, by_x, by_y)
-    }
-
     #[inline(always)]
     fn min(x: Self, y: Self) -> Self {
         let taken = if x.value <= y.value { x } else { y };
@@ -255,68 +238,25 @@ impl<T: Float> Scalar for Rounded<T> {
     }
 
     #[inline(always)]
-    fn signum(x: Self) -> Self {
-        Piecewise::sign(x)
-    }
-
-    #[inline(always)]
-    fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
-        Piecewise::by_sign(test, at_least_zero, below)
-    }
-
-    #[inline(always)]
-    fn outside(f: &Arc<dyn Outside>, [i, j]: [u8; 2], [x, y]: [Self; 2]) -> Self {
-        let derivative = |i, j| <T as Scalar>::outside(f, [i, j], [x.value, y.value]);
-        let (value, by_x) = (derivative(i, j), derivative(i + 1, j));
-        if f.variables() == 1 {
-            x.chain(value, by_x)
-        } else {
-            x.chain2(y, value, by_x, derivative(i, j + 1))
+    fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], [x, y]: [Self; 2]) -> Self {
+        let function = |x, y| Scalar::outside(f, orders, [x, y]);
+        match f.variables() {
+            1 => x.through(|x| function(x, x)),
+            _ => x.through_two(y, function),
         }
     }
-
-    functions! {
-        recip: |_x, f| -(f * f);
-        sqrt: |_x, f| T::int(1) / (f + f);
-        exp: |_x, f| f;
-        ln: |x, _f| T::int(1) / x;
-        exp_m1: |x, _f| <T as Scalar>::exp(x);
-        ln_1p: |x, _f| T::int(1) / (T::int(1) + x);
-        sin: |x, _f| <T as Scalar>::cos(x);
-        cos: |x, _f| -<T as Scalar>::sin(x);
-        tan: |_x, f| T::int(1) + f * f;
-        asin: |x, _f| <T as Scalar>::recip(<T as Scalar>::sqrt((T::int(1) - x) * (T::int(1) + x)));
-        acos: |x, _f| -<T as Scalar>::recip(<T as Scalar>::sqrt((T::int(1) - x) * (T::int(1) + x)));
-        atan: |x, _f| T::int(1) / (T::int(1) + x * x);
-        sinh: |x, _f| <T as Scalar>::cosh(x);
-        cosh: |x, _f| <T as Scalar>::sinh(x);
-        tanh: |x, _f| {
-            let u = <T as Scalar>::exp(-<T as Scalar>::abs(x));
-            let sech = (u + u) / (T::int(1) + u * u);
-            sech * sech
-        };
-        cbrt: |_x, f| <T as Scalar>::recip(T::int(3) * f * f);
-        exp2: |_x, f| T::ln_2() * f;
-        asinh: |x, _f| <T as Scalar>::recip(<T as Scalar>::hypot(x, T::int(1)));
-        acosh: |x, _f| <T as Scalar>::recip(
-            <T as Scalar>::sqrt(x - T::int(1)) * <T as Scalar>::sqrt(x + T::int(1))
-        );
-        atanh: |x, _f| <T as Scalar>::recip((T::int(1) - x) * (T::int(1) + x));
-        erf: |x, _f| T::frac_2_sqrt_pi() * <T as Scalar>::exp(-(x * x));
-        erfc: |x, _f| -(T::frac_2_sqrt_pi() * <T as Scalar>::exp(-(x * x)));
-        abs: |x, _f| Piecewise::sign(x);
-    }
-}
-
-impl<T: Float> Piecewise for Rounded<T> {
+    functions!(
+        recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh,
+        cosh, tanh, asinh, acosh, atanh, erf, erfc, abs; pow, atan2, hypot
+    );
     #[inline(always)]
-    fn sign(x: Self) -> Self {
-        Rounded::fixed(Piecewise::sign(x.value))
+    fn signum(x: Self) -> Self {
+        Rounded::fixed(Scalar::signum(x.value))
     }
 
     #[inline(always)]
     fn at_most(x: Self, y: Self) -> Self {
-        Rounded::fixed(Piecewise::at_most(x.value, y.value))
+        Rounded::fixed(Scalar::at_most(x.value, y.value))
     }
 
     #[inline(always)]
@@ -327,33 +267,8 @@ impl<T: Float> Piecewise for Rounded<T> {
             x
         }
     }
-
-    #[inline(always)]
-    fn times_derivative(rate: Self, derivative: Self) -> Self {
-        Rounded {
-            value: Piecewise::times_derivative(rate.value, derivative.value),
-            ..rate * derivative
-        }
-    }
-
-    /// The derivative of c·xᶜ⁻¹ is (c − 1)/x times this function. If that expression is undefined, it is
-    /// computed from the next power.
     #[inline(always)]
     fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
-        let f = Piecewise::powf_derivative(x.value, power.value, c);
-        let factor: T = c.to();
-        let less = factor - T::int(1);
-        let derivative = if f != T::int(0) && Piecewise::is_regular(f) {
-            Piecewise::where_nonzero(less * f / x.value, less)
-        } else {
-            let next = <T as Scalar>::pow(x.value, less - T::int(1));
-            Piecewise::where_nonzero(factor * less * next, factor * less)
-        };
-        x.chain(f, derivative)
-    }
-
-    #[inline(always)]
-    fn is_regular(x: Self) -> bool {
-        Piecewise::is_regular(x.value)
+        x.through(|x| Scalar::powf_derivative(x, power.dual(T::int(0)), c))
     }
 }

@@ -233,14 +233,10 @@ impl Recorder {
         self.apply(Op::Outside { function, orders }, x, y)
     }
 
-    /// a where `test` ≥ 0, else b.
-    pub(crate) fn select(&mut self, test: u32, a: u32, b: u32) -> u32 {
-        let [zero, one] = [0.0, 1.0].map(|x| self.constant(Constant::double(x)));
-        let is_taken = self.apply(Op::AtMost, zero, test);
-        let rest = self.apply(Op::Sub, one, is_taken);
-        let other = self.apply(Op::WhereNonzero, b, rest);
-        let taken = self.apply(Op::WhereNonzero, a, is_taken);
-        self.apply(Op::Add, taken, other)
+    /// The derivative of `power` = xᶜ.
+    pub(crate) fn powf_derivative(&mut self, x: u32, power: u32, c: Constant) -> u32 {
+        let k = self.constant_entry(c);
+        self.apply(Op::PowfDerivative(k), x, power)
     }
 
     /// Records an attempt to read a value.

@@ -192,9 +192,9 @@ impl Scalar for Trace {
         append(&[x], |recorder| recorder.powf(x.node, c))
     }
 
-    fn select(test: Trace, a: Trace, b: Trace) -> Trace {
-        append(&[test, a, b], |recorder| {
-            recorder.select(test.node, a.node, b.node)
+    fn powf_derivative(x: Trace, power: Trace, c: Constant) -> Trace {
+        append(&[x, power], |recorder| {
+            recorder.powf_derivative(x.node, power.node, c)
         })
     }
 
@@ -209,5 +209,8 @@ impl Scalar for Trace {
         recip Recip, sqrt Sqrt, exp Exp, ln Ln, exp_m1 ExpM1, ln_1p Ln1p, sin Sin, cos Cos, tan Tan,
         asin Asin, acos Acos, atan Atan, sinh Sinh, cosh Cosh, tanh Tanh, abs Abs
     );
-    binary!(pow Pow, atan2 Atan2, hypot Hypot, min Min, max Max);
+    binary!(
+        pow Pow, atan2 Atan2, hypot Hypot, min Min, max Max, at_most AtMost,
+        where_nonzero WhereNonzero
+    );
 }

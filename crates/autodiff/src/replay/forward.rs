@@ -6,7 +6,7 @@
 
 use crate::recording::op::Op;
 use crate::replay::tape::{Run, Tape};
-use equip_scalar::{Constant, Float, Kernel, Piecewise};
+use equip_scalar::{Constant, Float, Kernel, Scalar};
 
 /// `result = $f` for all operations of a run with the operands `$x` and `$y`. It is a macro because closures
 /// are not always inlined, and code that is not inlined into a kernel has no vector instructions.
@@ -35,7 +35,7 @@ const fn half(n: i32) -> Constant {
 /// read quickly.
 #[rustfmt::skip]
 #[inline(always)]
-pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Constant], values: &mut [S]) {
+pub(crate) fn forward<S: Scalar>(tape: &Tape, runs: &[Run], exponents: &[Constant], values: &mut [S]) {
     for run in runs {
         let step = Step { tape, run, values };
         match run.op {
@@ -90,7 +90,7 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
             Op::Hypot => each!(step, |x, y| S::hypot(x, y)),
             Op::Min => each!(step, |x, y| S::min(x, y)),
             Op::Max => each!(step, |x, y| S::max(x, y)),
-            Op::Sign => each!(step, |x| S::sign(x)),
+            Op::Sign => each!(step, |x| S::signum(x)),
             Op::AtMost => each!(step, |x, y| S::at_most(x, y)),
             Op::WhereNonzero => each!(step, |x, y| S::where_nonzero(x, y)),
         }
@@ -172,7 +172,7 @@ struct Step<'a, S> {
     values: &'a mut [S],
 }
 
-impl<'a, S: Piecewise> Step<'a, S> {
+impl<'a, S: Scalar> Step<'a, S> {
     /// The slots of the operands, all values before the results, and the results.
     #[inline(always)]
     fn split(self) -> (&'a [[u32; 2]], &'a [S], &'a mut [S]) {

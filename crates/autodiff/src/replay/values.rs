@@ -6,7 +6,7 @@ use crate::replay::batch::Batch;
 use crate::replay::forward::{CompensatedSum, forward};
 use crate::replay::layout::{Blocks, layout};
 use crate::replay::tape::{Block, Run, Tape, Transfer};
-use equip_scalar::{Constant, FirstOrder, Float, InstructionSet, Pack, Piecewise};
+use equip_scalar::{Constant, FirstOrder, Float, InstructionSet, Pack, Scalar};
 
 /// Workspace for replaying one tape. Constants, and values that depend on constants only, are computed on
 /// construction.
@@ -105,7 +105,7 @@ impl<S> Replay<S> {
     }
 }
 
-impl<S: Piecewise> Replay<S> {
+impl<S: Scalar> Replay<S> {
     /// The results for these inputs.
     pub(crate) fn run(&mut self, tape: &Tape, input: impl Fn(usize) -> S) -> &[S] {
         for block in &tape.blocks {

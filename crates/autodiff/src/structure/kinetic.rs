@@ -6,7 +6,7 @@
 
 use crate::Structure;
 use crate::structure::colouring::Colouring;
-use equip_scalar::{Float, Piecewise};
+use equip_scalar::Float;
 
 /// M⁻¹ and b of T(p) = ½ pᵀ M⁻¹ p + bᵀ p + const.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +47,7 @@ impl<T: Float> Kinetic<T> {
         let columns = pattern.columns.iter().copied();
         let entries: Vec<(usize, T)> = columns.zip(entries).collect();
         let row_starts = pattern.row_starts;
-        let finite = |x: &T| Piecewise::is_regular(*x);
+        let finite = |x: &T| x.is_finite();
         if !offset.iter().all(finite) || !entries.iter().all(|(_, x)| finite(x)) {
             return None;
         }

@@ -56,9 +56,9 @@ pub trait Energy {
         self.energy(q, p).0
     }
 
-    /// The same with all first and second derivatives, by num-dual.
-    fn by_num_dual<T: Float, const N: usize>(&self, y: &[T]) -> T::Forward2<N> {
-        let y: [_; N] = std::array::from_fn(|i| T::Forward2::variable(y[i], i));
+    /// The same with all first derivatives, by num-dual.
+    fn by_num_dual<T: Float, const N: usize>(&self, y: &[T]) -> T::Forward<N> {
+        let y: [_; N] = std::array::from_fn(|i| T::Forward::variable(y[i], i));
         self.direct(&y)
     }
 }

@@ -11,21 +11,21 @@ use super::transforms::{SAFE_MAX, SAFE_MIN, Word};
 use super::words::{self, Dot, Pair, Sum};
 use crate::constant::Constant;
 use crate::kernels::Lanes;
-use crate::traits::half_power::half_power;
-use crate::traits::{Outside, Pack, Piecewise, Scalar};
+use crate::traits::half_power::{by_squares, half_power, half_power_derivative};
+use crate::traits::{Outside, Pack, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
 /// N double-doubles, usually one for each stage of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DoubleDoubles<const N: usize> {
-    pub(super) hi: Lanes<N>,
-    pub(super) lo: Lanes<N>,
+    hi: Lanes<N>,
+    lo: Lanes<N>,
 }
 
 impl<const N: usize> DoubleDoubles<N> {
     #[inline(always)]
-    pub(super) fn joined((hi, lo): Pair<Lanes<N>>) -> Self {
+    fn joined((hi, lo): Pair<Lanes<N>>) -> Self {
         DoubleDoubles { hi, lo }
     }
 
@@ -47,7 +47,7 @@ impl<const N: usize> DoubleDoubles<N> {
 
 #[cold]
 #[inline(never)]
-pub(super) fn one_by_one<const N: usize>(
+fn one_by_one<const N: usize>(
     x: &DoubleDoubles<N>,
     y: &DoubleDoubles<N>,
     f: fn(DoubleDouble, DoubleDouble) -> DoubleDouble,
@@ -171,20 +171,7 @@ impl<const N: usize> Scalar for DoubleDoubles<N> {
         if n < 0 {
             return each(&x, |x| x.powi(n));
         }
-        let mut exponent = n.unsigned_abs();
-        let mut base = x;
-        let mut power = (exponent & 1 == 1).then_some(x);
-        while exponent > 1 {
-            base = base * base;
-            exponent >>= 1;
-            if exponent & 1 == 1 {
-                power = match power {
-                    Some(power) => Some(power * base),
-                    None => Some(base),
-                };
-            }
-        }
-        power.unwrap_or(Self::splat(DoubleDouble::ONE))
+        by_squares(x, n.unsigned_abs()).unwrap_or(Self::splat(DoubleDouble::ONE))
     }
 
     #[inline(always)]
@@ -208,12 +195,48 @@ impl<const N: usize> Scalar for DoubleDoubles<N> {
 
     #[inline(always)]
     fn signum(x: Self) -> Self {
-        Piecewise::sign(x)
+        let [one, minus_one] = [1, -1].map(DoubleDouble::from_i64);
+        let mut result = x;
+        for k in 0..N {
+            let x = dd(x.hi.0[k], x.lo.0[k]);
+            let other = if x.hi < 0.0 { minus_one } else { x };
+            let sign = if x.hi > 0.0 { one } else { other };
+            (result.hi.0[k], result.lo.0[k]) = (sign.hi, sign.lo);
+        }
+        result
     }
 
     #[inline(always)]
-    fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
-        Piecewise::by_sign(test, at_least_zero, below)
+    fn at_most(x: Self, y: Self) -> Self {
+        let mut result = [0.0; N];
+        for (k, result) in result.iter_mut().enumerate() {
+            let below = x.hi.0[k] < y.hi.0[k];
+            let equal = x.hi.0[k] == y.hi.0[k];
+            let is_at_most = below | (equal & (x.lo.0[k] <= y.lo.0[k]));
+            *result = if is_at_most { 1.0 } else { 0.0 };
+        }
+        Self::joined((Lanes(result), Lanes::splat(0.0)))
+    }
+
+    #[inline(always)]
+    fn where_nonzero(x: Self, test: Self) -> Self {
+        let zero = Lanes::splat(0.0);
+        Self::joined((
+            x.hi.unless_zero(test.hi, zero),
+            x.lo.unless_zero(test.hi, zero),
+        ))
+    }
+
+    #[inline(always)]
+    fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
+        if let Some(n) = c.halves::<DoubleDouble>() {
+            return half_power_derivative(x, power, n);
+        }
+        let (x, mut power) = (x.numbers(), power.numbers());
+        for k in 0..N {
+            power[k] = Scalar::powf_derivative(x[k], power[k], c);
+        }
+        Self::of(&power)
     }
 
     #[inline(always)]
@@ -258,14 +281,6 @@ impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {
     #[inline(always)]
     fn heads(self) -> [f64; N] {
         self.hi.0
-    }
-
-    #[inline(always)]
-    fn choose(test: Self, one: Self, other: Self) -> Self {
-        Self::joined((
-            one.hi.unless_zero(test.hi, other.hi),
-            one.lo.unless_zero(test.hi, other.lo),
-        ))
     }
 
     #[inline(always)]
@@ -345,4 +360,29 @@ fn special_total<const N: usize>(packs: &[[DoubleDouble; N]]) -> (DoubleDouble, 
     let numbers = packs.as_flattened().iter();
     let sum = numbers.fold(DoubleDouble::ZERO, |sum, &x| sum + x);
     (sum, DoubleDouble::ZERO)
+}
+
+impl<const N: usize> Word for Lanes<N> {
+    #[inline(always)]
+    fn word(x: f64) -> Self {
+        Lanes::splat(x)
+    }
+
+    /// A vector instruction inside a kernel for AVX2 or AVX-512, elsewhere N calls.
+    #[inline(always)]
+    fn product_rest(a: Self, b: Self, p: Self) -> Self {
+        let mut rest = p;
+        for k in 0..N {
+            rest.0[k] = a.0[k].mul_add(b.0[k], -p.0[k]);
+        }
+        rest
+    }
+
+    #[inline(always)]
+    fn unless_zero(mut self, test: Self, other: Self) -> Self {
+        for k in 0..N {
+            self.0[k] = self.0[k].unless_zero(test.0[k], other.0[k]);
+        }
+        self
+    }
 }

@@ -31,7 +31,6 @@
 mod arithmetic;
 mod constants;
 pub(crate) mod functions;
-mod lane_selections;
 mod lanes;
 pub(crate) mod natural;
 mod number;

@@ -5,7 +5,7 @@ use super::number::{DoubleDouble, dd};
 use super::words;
 use crate::constant::{Constant, Words};
 use crate::error::ParseFloatError;
-use crate::forward::{Forward, Forward2};
+use crate::forward::Forward;
 use crate::traits::{Float, Outside, Scalar, scalar_glue};
 use std::sync::Arc;
 
@@ -41,7 +41,6 @@ impl Float for DoubleDouble {
     const WIDTH: usize = 8;
     type Pack<const N: usize> = DoubleDoubles<N>;
     type Forward<const N: usize> = Forward<DoubleDouble, N>;
-    type Forward2<const N: usize> = Forward2<DoubleDouble, N>;
 
     #[inline(always)]
     fn exact(x: f64) -> Self {

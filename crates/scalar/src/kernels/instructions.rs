@@ -122,10 +122,9 @@ impl InstructionSet {
     /// Runs the kernel with these instructions.
     #[inline(always)]
     pub fn run<K: Kernel>(self, kernel: &mut K) -> K::Output {
-        match self.0 {
-            Level::Portable => kernel.run_narrow(),
-            #[cfg(target_arch = "x86_64")]
-            level => x86_64::run(level, kernel),
+        match self.run_wide(kernel) {
+            Some(output) => output,
+            None => kernel.run_narrow(),
         }
     }
 }
@@ -145,14 +144,6 @@ mod x86_64 {
     #[target_feature(enable = "avx512f,avx512vl,avx512dq,fma")]
     fn avx512<K: Kernel>(kernel: &mut K) -> K::Output {
         kernel.run()
-    }
-
-    #[inline(always)]
-    pub(super) fn run<K: Kernel>(level: Level, kernel: &mut K) -> K::Output {
-        match level {
-            Level::Portable => kernel.run_narrow(),
-            level => run_wide(level, kernel),
-        }
     }
 
     /// The level is not that of the plain build.

@@ -1,13 +1,13 @@
 //! [`Lanes`]: N doubles that undergo the same operations.
 //!
 //! Everything is done lane by lane through the functions of `f64`, so each lane has every bit of a
-//! computation with that `f64` alone. Arithmetic, √, |x|, min, max and the selections of [`Piecewise`] become
+//! computation with that `f64` alone. Arithmetic, √, |x|, min, max and the selections of [`Scalar`] become
 //! vector instructions inside a [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin`
 //! over 8 lanes: 68 ns).
 
 use crate::constant::Constant;
-use crate::traits::half_power::{half_power, half_power_derivative};
-use crate::traits::{Outside, Pack, Piecewise, Scalar};
+use crate::traits::half_power::{by_squares, half_power, half_power_derivative};
+use crate::traits::{Outside, Pack, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
@@ -87,16 +87,7 @@ macro_rules! binary {
     ($($f:ident),*) => {$(
         #[inline(always)]
         fn $f(x: Self, y: Self) -> Self {
-            each_lane!(|x, y| f64::$f(x, y))
-        }
-    )*};
-}
-
-macro_rules! piecewise {
-    ($($f:ident($($x:ident),*)),*) => {$(
-        #[inline(always)]
-        fn $f($($x: Self),*) -> Self {
-            each_lane!(|$($x),*| <f64 as Piecewise>::$f($($x),*))
+            each_lane!(|x, y| <f64 as Scalar>::$f(x, y))
         }
     )*};
 }
@@ -119,23 +110,7 @@ impl<const N: usize> Scalar for Lanes<N> {
             6 => return (x * x) * ((x * x) * (x * x)),
             _ => {}
         }
-        let mut exponent = n.unsigned_abs();
-        let mut square = x;
-        let mut power: Option<Self> = None;
-        loop {
-            if exponent & 1 == 1 {
-                power = match power {
-                    Some(power) => Some(power * square),
-                    None => Some(square),
-                };
-            }
-            exponent >>= 1;
-            if exponent == 0 {
-                break;
-            }
-            square = square * square;
-        }
-        let power = power.unwrap_or(Lanes::splat(1.0));
+        let power = by_squares(x, n.unsigned_abs()).unwrap_or(Lanes::splat(1.0));
         if n < 0 { Self::recip(power) } else { power }
     }
 
@@ -148,16 +123,6 @@ impl<const N: usize> Scalar for Lanes<N> {
     }
 
     #[inline(always)]
-    fn signum(x: Self) -> Self {
-        Piecewise::sign(x)
-    }
-
-    #[inline(always)]
-    fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
-        Piecewise::by_sign(test, at_least_zero, below)
-    }
-
-    #[inline(always)]
     fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], [x, y]: [Self; 2]) -> Self {
         let mut results = [0.0; N];
         f.derivatives(orders, [&x.0, &y.0], &mut results);
@@ -166,34 +131,15 @@ impl<const N: usize> Scalar for Lanes<N> {
 
     unary!(
         recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh,
-        cosh, tanh, asinh, acosh, atanh, erf, erfc, abs
+        cosh, tanh, asinh, acosh, atanh, erf, erfc, abs, signum
     );
-    binary!(pow, atan2, hypot, min, max);
-}
-
-impl<const N: usize> Piecewise for Lanes<N> {
-    piecewise!(
-        sign(x),
-        at_most(x, y),
-        where_nonzero(x, test),
-        times_derivative(rate, derivative)
-    );
-
+    binary!(pow, atan2, hypot, min, max, at_most, where_nonzero);
     #[inline(always)]
     fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
         match c.halves::<f64>() {
             Some(n) => half_power_derivative(x, power, n),
             None => each_lane!(|x, power| f64::powf_derivative(x, power, c)),
         }
-    }
-
-    #[inline(always)]
-    fn is_regular(x: Self) -> bool {
-        let mut all = true;
-        for k in 0..N {
-            all &= f64::is_regular(x.0[k]);
-        }
-        all
     }
 }
 
@@ -228,19 +174,6 @@ impl<const N: usize> Pack<f64, N> for Lanes<N> {
     #[inline(always)]
     fn heads(self) -> [f64; N] {
         self.0
-    }
-
-    #[inline(always)]
-    fn choose(test: Self, one: Self, other: Self) -> Self {
-        let mut chosen = one;
-        for k in 0..N {
-            chosen.0[k] = if test.0[k] == 0.0 {
-                other.0[k]
-            } else {
-                one.0[k]
-            };
-        }
-        chosen
     }
 
     #[inline(always)]

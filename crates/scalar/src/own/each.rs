@@ -1,7 +1,7 @@
 //! [`Each`]: N numbers of a float type without vectors, one by one.
 
 use crate::constant::Constant;
-use crate::traits::{Float, Outside, Pack, Piecewise, Scalar};
+use crate::traits::{Float, Outside, Pack, Scalar};
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
@@ -48,24 +48,16 @@ impl<T: Float, const N: usize> Scalar for Each<T, N> {
         Each(x.0.map(|x| <T as Scalar>::powf(x, c)))
     }
     #[inline(always)]
+    fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
+        Each(from_fn(|k| T::powf_derivative(x.0[k], power.0[k], c)))
+    }
+    #[inline(always)]
     fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], [x, y]: [Self; 2]) -> Self {
         Each(from_fn(|k| T::outside(f, orders, [x.0[k], y.0[k]])))
     }
     each!(Scalar: recip(x), sqrt(x), cbrt(x), exp(x), exp2(x), ln(x), exp_m1(x), ln_1p(x), sin(x), cos(x), tan(x),
         asin(x), acos(x), atan(x), sinh(x), cosh(x), tanh(x), asinh(x), acosh(x), atanh(x), erf(x), erfc(x), abs(x),
-        signum(x), pow(x, y), atan2(x, y), hypot(x, y), min(x, y), max(x, y), select(x, y, z));
-}
-
-impl<T: Float, const N: usize> Piecewise for Each<T, N> {
-    each!(Piecewise: sign(x), at_most(x, y), where_nonzero(x, y), times_derivative(x, y));
-    #[inline(always)]
-    fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
-        Each(from_fn(|k| T::powf_derivative(x.0[k], power.0[k], c)))
-    }
-    #[inline(always)]
-    fn is_regular(x: Self) -> bool {
-        x.0.into_iter().all(T::is_regular)
-    }
+        signum(x), pow(x, y), atan2(x, y), hypot(x, y), min(x, y), max(x, y), at_most(x, y), where_nonzero(x, y));
 }
 
 impl<T: Float, const N: usize> Pack<T, N> for Each<T, N> {
@@ -84,17 +76,6 @@ impl<T: Float, const N: usize> Pack<T, N> for Each<T, N> {
     #[inline(always)]
     fn heads(self) -> [f64; N] {
         self.0.map(T::to_f64)
-    }
-    #[inline(always)]
-    fn choose(test: Self, one: Self, other: Self) -> Self {
-        let zero = T::int(0);
-        Each(from_fn(|k| {
-            if test.0[k] == zero {
-                other.0[k]
-            } else {
-                one.0[k]
-            }
-        }))
     }
     fn total(packs: &[[T; N]]) -> (T, T) {
         let zero = T::int(0);

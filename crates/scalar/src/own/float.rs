@@ -5,7 +5,7 @@ use super::functions::{sum, words};
 use super::{Arithmetic, Own};
 use crate::constant::{Constant, Words};
 use crate::error::ParseFloatError;
-use crate::forward::{Forward, Forward2};
+use crate::forward::Forward;
 use crate::traits::{Float, Outside, Scalar, scalar_glue};
 use num_dual::DualNumFloat;
 use std::sync::Arc;
@@ -58,7 +58,6 @@ impl<A: Arithmetic> Float for Own<A> {
     const WIDTH: usize = 1;
     type Pack<const N: usize> = Each<Self, N>;
     type Forward<const N: usize> = Forward<Self, N>;
-    type Forward2<const N: usize> = Forward2<Self, N>;
 
     #[inline(always)]
     fn exact(x: f64) -> Self {

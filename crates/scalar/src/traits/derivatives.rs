@@ -1,9 +1,9 @@
 //! Numbers that carry their derivatives.
 
-use super::piecewise::Piecewise;
+use super::scalar::Scalar;
 
 /// A number that carries N first derivatives.
-pub trait FirstOrder<T, const N: usize>: Piecewise {
+pub trait FirstOrder<T, const N: usize>: Scalar {
     /// With this value and these derivatives.
     fn with_gradient(x: T, gradient: [T; N]) -> Self;
     /// The independent variable number `index`, with value `x`.
@@ -12,10 +12,4 @@ pub trait FirstOrder<T, const N: usize>: Piecewise {
     fn value(&self) -> T;
     /// The N first derivatives.
     fn gradient(&self) -> [T; N];
-}
-
-/// A number that carries N first and N×N second derivatives.
-pub trait SecondOrder<T, const N: usize>: FirstOrder<T, N> {
-    /// The second derivatives, `[i][j]` = ∂²/∂x_i∂x_j.
-    fn hessian(&self) -> [[T; N]; N];
 }

@@ -1,12 +1,10 @@
 //! [`Float`]: what the integrator computes in.
 
-use super::derivatives::{FirstOrder, SecondOrder};
+use super::derivatives::FirstOrder;
 use super::pack::Pack;
-use super::piecewise::Piecewise;
 use super::scalar::Scalar;
 use crate::constant::{Constant, Words, Written};
 use crate::error::ParseFloatError;
-use crate::traits::half_power::half_power_derivative;
 use nalgebra::RealField;
 use std::fmt::{Display, LowerExp};
 
@@ -47,8 +45,6 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
     type Pack<const N: usize>: Pack<Self, N>;
     /// Dual number with `N` first derivatives over this type.
     type Forward<const N: usize>: FirstOrder<Self, N>;
-    /// Dual number with `N` first and N×N second derivatives over this type.
-    type Forward2<const N: usize>: SecondOrder<Self, N>;
 
     /// The value of the given `f64`, exactly. A literal such as `0.1` stays the *double* 0.1:
     /// use [`ratio`](Self::ratio) or [`decimal`](Self::decimal) for 1/10.
@@ -144,60 +140,6 @@ impl Constant {
     }
 }
 
-impl<T: Float> Piecewise for T {
-    #[inline(always)]
-    fn sign(x: T) -> T {
-        if x > T::int(0) {
-            T::int(1)
-        } else if x < T::int(0) {
-            T::int(-1)
-        } else {
-            x
-        }
-    }
-
-    #[inline(always)]
-    fn at_most(x: T, y: T) -> T {
-        if x <= y { T::int(1) } else { T::int(0) }
-    }
-
-    #[inline(always)]
-    fn where_nonzero(x: T, test: T) -> T {
-        if test == T::int(0) { T::int(0) } else { x }
-    }
-
-    #[inline(always)]
-    fn times_derivative(rate: T, derivative: T) -> T {
-        if rate == T::int(0) && !Self::is_regular(derivative) {
-            rate
-        } else {
-            rate * derivative
-        }
-    }
-
-    #[inline(always)]
-    fn powf_derivative(x: T, power: T, c: Constant) -> T {
-        if let Some(n) = c.halves::<T>() {
-            return half_power_derivative(x, power, n);
-        }
-        let c: T = c.to();
-        if power != T::int(0) && Self::is_regular(power) {
-            c * power / x
-        } else if c == T::int(0) {
-            c
-        } else {
-            c * <T as Scalar>::pow(x, c - T::int(1))
-        }
-    }
-
-    // ∞ − ∞ is NaN. A classification would do, but is not vectorised over lanes.
-    #[allow(clippy::eq_op)]
-    #[inline(always)]
-    fn is_regular(x: T) -> bool {
-        x - x == T::int(0)
-    }
-}
-
 /// What [`Scalar`](crate::Scalar) asks of every float alike, inside its impl.
 macro_rules! scalar_glue {
     (; $($f:ident),*) => {$(
@@ -244,11 +186,41 @@ macro_rules! scalar_glue {
         }
         #[inline(always)]
         fn signum(x: Self) -> Self {
-            $crate::Piecewise::sign(x)
+            let zero = <Self as $crate::Float>::int(0);
+            if x > zero {
+                <Self as $crate::Float>::int(1)
+            } else if x < zero {
+                <Self as $crate::Float>::int(-1)
+            } else {
+                x
+            }
         }
         #[inline(always)]
-        fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
-            $crate::Piecewise::by_sign(test, at_least_zero, below)
+        fn at_most(x: Self, y: Self) -> Self {
+            if x <= y {
+                <Self as $crate::Float>::int(1)
+            } else {
+                <Self as $crate::Float>::int(0)
+            }
+        }
+        #[inline(always)]
+        fn where_nonzero(x: Self, test: Self) -> Self {
+            let zero = <Self as $crate::Float>::int(0);
+            if test == zero { zero } else { x }
+        }
+        #[inline(always)]
+        fn powf_derivative(x: Self, power: Self, c: $crate::Constant) -> Self {
+            if let Some(n) = c.halves::<Self>() {
+                return $crate::traits::half_power::half_power_derivative(x, power, n);
+            }
+            let (zero, c) = (<Self as $crate::Float>::int(0), c.to::<Self>());
+            if power != zero && Self::is_finite(power) {
+                c * power / x
+            } else if c == zero {
+                c
+            } else {
+                c * Self::powf(x, c - <Self as $crate::Float>::int(1))
+            }
         }
         $crate::traits::scalar_glue!(;
             recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh,

@@ -8,6 +8,7 @@
 
 use crate::constant::Constant;
 use crate::traits::Scalar;
+use std::ops::Mul;
 
 /// x^(n/2) for an odd n.
 #[inline(always)]
@@ -35,4 +36,23 @@ pub(crate) fn half_power_derivative<S: Scalar>(x: S, power: S, n: i32) -> S {
     } else {
         c * power / x
     }
+}
+
+/// xⁿ by repeated squares; none for n = 0.
+#[inline(always)]
+pub(crate) fn by_squares<S: Copy + Mul<Output = S>>(x: S, mut n: u32) -> Option<S> {
+    let (mut square, mut power) = (x, None);
+    while n > 0 {
+        if n & 1 == 1 {
+            power = match power {
+                Some(power) => Some(power * square),
+                None => Some(square),
+            };
+        }
+        n >>= 1;
+        if n > 0 {
+            square = square * square;
+        }
+    }
+    power
 }

@@ -1,6 +1,5 @@
 //! [`Pack`]: N numbers of a float type that undergo the same operations.
 
-use super::piecewise::Piecewise;
 use super::scalar::Scalar;
 use crate::constant::Constant;
 
@@ -19,7 +18,7 @@ use crate::constant::Constant;
 /// roots(&mut x);
 /// assert_eq!(x, [1, 2, 3, 4].map(DoubleDouble::int));
 /// ```
-pub trait Pack<T: Scalar, const N: usize>: Piecewise {
+pub trait Pack<T: Scalar, const N: usize>: Scalar {
     /// The same number in every place.
     fn splat(x: T) -> Self;
     /// The numbers of an array.
@@ -28,8 +27,6 @@ pub trait Pack<T: Scalar, const N: usize>: Piecewise {
     fn numbers(self) -> [T; N];
     /// The numbers as the nearest `f64`.
     fn heads(self) -> [f64; N];
-    /// The numbers of the one where `test` is not zero, of the other where it is.
-    fn choose(test: Self, one: Self, other: Self) -> Self;
 
     /// The first N numbers of a slice. Of a shorter one, which must not be empty, the last number fills the
     /// rest.

@@ -87,7 +87,21 @@ pub trait Scalar:
     /// −1, 0 or 1 by the sign of x; x itself where it is ±0 or NaN. Its derivative is 0.
     fn signum(x: Self) -> Self;
     /// One number where `test` ≥ 0, the other elsewhere; derivatives are those of the one taken.
-    fn select(test: Self, at_least_zero: Self, below: Self) -> Self;
+    #[inline(always)]
+    fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
+        let [zero, one] = [0.0, 1.0].map(|x| Self::constant(Constant::double(x)));
+        let is_taken = Self::at_most(zero, test);
+        let other = Self::where_nonzero(below, one - is_taken);
+        Self::where_nonzero(at_least_zero, is_taken) + other
+    }
+    /// 1 where x ≤ y, 0 elsewhere. Its derivative is 0.
+    fn at_most(x: Self, y: Self) -> Self;
+    /// x where `test` is not zero, 0 where it is, whatever x is there.
+    fn where_nonzero(x: Self, test: Self) -> Self;
+    /// The derivative c·xᶜ⁻¹ of `power` = xᶜ for a constant exponent: from the power where that is neither 0
+    /// nor infinite. Half-integer exponents up to 15/2 are those of a root. A factor 0 is 0 also before an
+    /// infinite power.
+    fn powf_derivative(x: Self, power: Self, c: Constant) -> Self;
     /// The derivative of these orders of a function at x; one of one variable has the same number twice.
     fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], x: [Self; 2]) -> Self;
 }

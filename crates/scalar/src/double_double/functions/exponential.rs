@@ -7,6 +7,7 @@
 use super::tables::{EXP2, INVERSE_FACTORIAL};
 use crate::double_double::number::{DoubleDouble, dd};
 use crate::double_double::transforms::{nearest, two_sum};
+use crate::traits::half_power::by_squares;
 
 const INVERSE_STEP: f64 = 46.16624130844683; // 32/ln 2
 const STEP: [f64; 3] = [
@@ -177,7 +178,8 @@ impl DoubleDouble {
     /// xⁿ by repeated squaring; the error grows like n times that of a product, 1.25·2⁻¹⁰⁴ at most.
     #[inline]
     pub fn powi(self, n: i32) -> Self {
-        let power = self.power(n.unsigned_abs());
+        let power_of = |x: Self| by_squares(x, n.unsigned_abs()).unwrap_or(Self::ONE);
+        let power = power_of(self);
         if n >= 0 {
             return power;
         }
@@ -186,25 +188,7 @@ impl DoubleDouble {
             return power.recip();
         }
         // xⁿ over- or underflowed although 1/xⁿ need not: invert first.
-        self.recip().power(n.unsigned_abs())
-    }
-
-    #[inline(always)]
-    fn power(self, mut n: u32) -> Self {
-        let mut base = self;
-        let mut result = if n & 1 == 1 { self } else { Self::ONE };
-        while n > 1 {
-            base = base * base;
-            n >>= 1;
-            if n & 1 == 1 {
-                result = if result == Self::ONE {
-                    base
-                } else {
-                    result * base
-                };
-            }
-        }
-        result
+        power_of(self.recip())
     }
 
     /// xʸ. Integers up to 64 by multiplication, otherwise exp(y ln x), whose relative error is

@@ -1,6 +1,7 @@
 //! √, ∛, √(x² + y²) and whole powers.
 
 use super::{Real, parts, scaled};
+use crate::traits::half_power::by_squares;
 
 /// By Newton's iteration from 53 bits: 106, 212, 424.
 pub(crate) fn sqrt<T: Real>(x: T) -> T {
@@ -50,17 +51,6 @@ pub(crate) fn hypot<T: Real>(x: T, y: T) -> T {
 
 /// By squaring.
 pub(crate) fn powi<T: Real>(x: T, n: i32) -> T {
-    let mut exponent = n.unsigned_abs();
-    let (mut square, mut power) = (x, None);
-    while exponent > 0 {
-        if exponent & 1 == 1 {
-            power = Some(power.map_or(square, |power| power * square));
-        }
-        exponent >>= 1;
-        if exponent > 0 {
-            square = square * square;
-        }
-    }
-    let power = power.unwrap_or(T::exact(1.0));
+    let power = by_squares(x, n.unsigned_abs()).unwrap_or(T::exact(1.0));
     if n < 0 { power.recip() } else { power }
 }
