@@ -223,7 +223,7 @@ fn pythagorean(name: &'static str, visitor: &mut impl WithTask) -> Result<(), St
         tolerance: Some(1e-14),
         ..task
     };
-    visitor.with(Pythagorean, encounters(task, &scene)?)
+    visitor.with(Pythagorean {}, encounters(task, &scene)?)
 }
 
 /// The task's end state from two runs in double-double with variable steps, whose tolerances differ by a

@@ -45,8 +45,15 @@ impl Invariant {
     }
 }
 
+/// The components of the total momentum and angular momentum of bodies in d = 2 or 3 dimensions.
+pub(crate) fn all_momenta(bodies: usize, d: usize) -> Result<Vec<Invariant>, BuildError> {
+    let mut all = linear_momenta(bodies, d)?;
+    all.extend(angular_momenta(bodies, d)?);
+    Ok(all)
+}
+
 /// The i-th component of the total momentum of bodies in d dimensions: Σ_b p_{db+i}.
-pub(crate) fn linear_momenta(bodies: usize, d: usize) -> Result<Vec<Invariant>, BuildError> {
+fn linear_momenta(bodies: usize, d: usize) -> Result<Vec<Invariant>, BuildError> {
     const NAMES: [&str; 3] = ["momentum x", "momentum y", "momentum z"];
     (0..d.min(3))
         .map(|i| {

@@ -1,5 +1,6 @@
 //! What every scene's Hamiltonian says of itself.
 
+use crate::error::SceneError;
 use crate::invariant::Invariant;
 use equip_autodiff::{BuildError, Hamiltonian, Var};
 use equip_scalar::Float;
@@ -53,11 +54,26 @@ pub trait Model {
     /// A fixed step that resolves the motion.
     fn step(&self) -> f64;
 
-    /// An end time worth a picture.
-    fn end(&self) -> f64;
+    /// An end time worth a picture: ten periods, unless the scene knows better.
+    fn end(&self) -> f64 {
+        10.0 * self.period(&self.initial::<f64>())
+    }
 
-    /// What to draw.
-    fn view(&self) -> View;
+    /// What to draw: the phase plane of one degree of freedom, else the path of the first two positions.
+    fn view(&self) -> View {
+        match self.degrees_of_freedom() {
+            1 => View::PhasePlane,
+            _ => View::Paths(vec![(0, 1)]),
+        }
+    }
+
+    /// Whether there is a start with these parameters.
+    ///
+    /// # Errors
+    /// [`SceneError`], with what to change.
+    fn check(&self) -> Result<(), SceneError> {
+        Ok(())
+    }
 
     /// The units that its numbers are in.
     fn units(&self) -> Units {
@@ -86,6 +102,12 @@ pub trait Model {
     fn mass<T: Float>(&self, _component: usize) -> T {
         T::int(1)
     }
+}
+
+/// Masses times velocities.
+pub(crate) fn momenta<T: Float>(model: &impl Model, velocities: impl Iterator<Item = T>) -> Vec<T> {
+    let momentum = |(i, v)| model.mass::<T>(i) * v;
+    velocities.enumerate().map(momentum).collect()
 }
 
 /// A decimal that stands in the source; were it none, not a number.

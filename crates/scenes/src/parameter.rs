@@ -18,38 +18,39 @@ pub struct Range {
 }
 
 impl Range {
-    /// [low, high].
-    pub(crate) const fn closed(low: f64, high: f64) -> Self {
+    const fn new((low, low_included): (f64, bool), (high, high_included): (f64, bool)) -> Self {
         Range {
             low,
-            low_included: true,
+            low_included,
             high,
-            high_included: true,
+            high_included,
         }
+    }
+
+    /// [low, high].
+    pub(crate) const fn closed(low: f64, high: f64) -> Self {
+        Range::new((low, true), (high, true))
     }
 
     /// [low, high).
     pub(crate) const fn below(low: f64, high: f64) -> Self {
-        Range {
-            low,
-            low_included: true,
-            high,
-            high_included: false,
-        }
+        Range::new((low, true), (high, false))
     }
 
     /// (low, high].
     pub(crate) const fn above(low: f64, high: f64) -> Self {
-        Range {
-            low,
-            low_included: false,
-            high,
-            high_included: true,
-        }
+        Range::new((low, false), (high, true))
+    }
+
+    /// (low, high).
+    pub(crate) const fn open(low: f64, high: f64) -> Self {
+        Range::new((low, false), (high, false))
     }
 
     /// Angles on either side of zero, in radians.
-    pub(crate) const ANGLE: Range = Range::closed(-PI, PI);
+    pub(crate) const fn angle() -> Self {
+        Range::closed(-PI, PI)
+    }
 
     /// Whether x lies in the interval; NaN does not.
     pub fn contains(&self, x: f64) -> bool {
@@ -97,23 +98,6 @@ impl Parameter {
             integer: false,
         }
     }
-
-    pub(crate) const fn count(
-        name: &'static str,
-        meaning: &'static str,
-        default: &'static str,
-        low: u32,
-        high: u32,
-    ) -> Self {
-        let range = Range::closed(low as f64, high as f64);
-        Parameter {
-            name,
-            meaning,
-            default,
-            range,
-            integer: true,
-        }
-    }
 }
 
 /// A value of a parameter.
@@ -127,10 +111,35 @@ pub(crate) struct Value {
     pub(crate) text: String,
 }
 
-impl Value {
-    /// The value of an integer parameter, whose range is that of a count.
-    pub(crate) fn count(&self) -> usize {
-        self.nearest as usize
+/// What a value becomes in a Hamiltonian.
+pub(crate) trait Field {
+    /// Whether only whole numbers are allowed.
+    const IS_WHOLE: bool;
+
+    fn of(value: &Value) -> Self;
+}
+
+impl Field for Constant {
+    const IS_WHOLE: bool = false;
+
+    fn of(value: &Value) -> Self {
+        value.exact
+    }
+}
+
+impl Field for usize {
+    const IS_WHOLE: bool = true;
+
+    fn of(value: &Value) -> Self {
+        value.nearest as usize
+    }
+}
+
+impl Field for u64 {
+    const IS_WHOLE: bool = true;
+
+    fn of(value: &Value) -> Self {
+        value.nearest as u64
     }
 }
 

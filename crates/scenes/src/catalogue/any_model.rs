@@ -1,7 +1,8 @@
 //! The one type that holds any scene's Hamiltonian.
 
+use crate::error::SceneError;
 use crate::invariant::Invariant;
-use crate::model::{Model, State, Units, View, read};
+use crate::model::{Model, State, Units, View, momenta};
 use crate::scenes::{
     Arenstorf, ChargedParticle, Dnls, DoublePendulum, FaouHairerPham, Fpu, FputBeta, Harmonic,
     HenonHeiles, Kepler, LennardJones, LotkaVolterra, OuterSolarSystem, Pendulum, Pythagorean,
@@ -57,6 +58,10 @@ models!(
 );
 
 impl AnyModel {
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
+        with_model!(self, m => m.check())
+    }
+
     pub(crate) fn record(&self) -> Result<Hamiltonian, BuildError> {
         with_model!(self, m => m.hamiltonian())
     }
@@ -97,26 +102,8 @@ impl AnyModel {
         with_model!(self, m => m.exact(t))
     }
 
-    pub(crate) fn mass<T: Float>(&self, component: usize) -> T {
-        with_model!(self, m => m.mass(component))
+    /// Masses times velocities.
+    pub(crate) fn momenta<T: Float>(&self, velocities: impl Iterator<Item = T>) -> Vec<T> {
+        with_model!(self, m => momenta(m, velocities))
     }
-}
-
-/// Masses times velocities.
-pub(crate) fn momenta<T: Float>(model: &AnyModel, velocities: Vec<T>) -> Vec<T> {
-    velocities
-        .into_iter()
-        .enumerate()
-        .map(|(i, v)| model.mass::<T>(i) * v)
-        .collect()
-}
-
-/// The state of decimal texts (q, v).
-pub(crate) fn state<T: Float>(
-    model: &AnyModel,
-    q: &[&'static str],
-    v: &[&'static str],
-) -> State<T> {
-    let all = |texts: &[&str]| texts.iter().map(|text| read(text)).collect();
-    (all(q), momenta(model, all(v)))
 }

@@ -41,30 +41,20 @@ impl Scene {
     /// not a whole number where one is required, or out of range.
     pub fn instance(&'static self, values: &[(&str, &str)]) -> Result<Instance, SceneError> {
         let values = read_all(self.name, self.parameters, values)?;
-        let model = (self.build)(&values)?;
-        Instance::new(self, values, model, None)
+        let model = (self.build)(&values);
+        model.check()?;
+        Ok(Instance {
+            scene: self,
+            values,
+            start: None,
+            hamiltonian: model.record()?,
+            invariants: model.invariants()?,
+            model,
+        })
     }
 }
 
 impl Instance {
-    pub(crate) fn new(
-        scene: &'static Scene,
-        values: Vec<Value>,
-        model: AnyModel,
-        start: Option<&'static Doubles>,
-    ) -> Result<Self, SceneError> {
-        let hamiltonian = model.record()?;
-        let invariants = model.invariants()?;
-        Ok(Instance {
-            scene,
-            values,
-            model,
-            start,
-            hamiltonian,
-            invariants,
-        })
-    }
-
     /// The scene, parameters and initial data of a stored reference solution (see
     /// [`reference_names`](crate::reference_names)).
     ///
@@ -103,11 +93,10 @@ impl Instance {
     pub fn initial<T: Float>(&self) -> (Vec<T>, Vec<T>) {
         match self.start {
             None => self.model.initial(),
-            Some(Doubles { q, v }) => {
-                let momentum = |(i, &v): (usize, &f64)| self.model.mass::<T>(i) * T::exact(v);
-                let p = v.iter().enumerate().map(momentum).collect();
-                (q.iter().map(|&q| T::exact(q)).collect(), p)
-            }
+            Some(Doubles { q, v }) => (
+                q.iter().map(|&q| T::exact(q)).collect(),
+                self.model.momenta(v.iter().map(|&v| T::exact(v))),
+            ),
         }
     }
 

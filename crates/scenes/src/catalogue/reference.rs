@@ -1,6 +1,6 @@
 //! [`Reference`]: a stored end state, computed once with more digits than any run here.
 
-use super::any_model::{AnyModel, state};
+use super::any_model::AnyModel;
 use crate::model::read;
 use crate::reference::{self, End, ReferenceData};
 use equip_scalar::Float;
@@ -28,7 +28,9 @@ impl Reference<'_> {
 
     /// (q, p) at the end.
     pub fn state<T: Float>(&self) -> (Vec<T>, Vec<T>) {
-        state(self.model, self.data.q, self.data.v)
+        let q = self.data.q.iter().map(|text| read(text)).collect();
+        let velocities = self.data.v.iter().map(|text| read(text));
+        (q, self.model.momenta(velocities))
     }
 
     /// H along the solution.

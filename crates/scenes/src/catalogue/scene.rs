@@ -28,7 +28,7 @@ pub struct Scene {
     pub solution: &'static str,
     /// Where the scene becomes hard, in words and numbers.
     pub hard: &'static str,
-    pub(crate) build: fn(&[Value]) -> Result<AnyModel, SceneError>,
+    pub(crate) build: fn(&[Value]) -> AnyModel,
 }
 
 /// The scene of an entry whose `build` makes a Hamiltonian of its own type.
@@ -43,7 +43,7 @@ macro_rules! scene {
             invariants: $entry.invariants,
             solution: $entry.solution,
             hard: $entry.hard,
-            build: |values| Ok(($entry.build)(values)?.into()),
+            build: |values| ($entry.build)(values).into(),
         }
     };
 }

@@ -4,45 +4,25 @@
 //! [Arenstorf, Amer. J. Math. 85, 1963; Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I,
 //! II.0]. Both orbits were recomputed with 45 digits: they return to their start within 5e-27 and 4e-26.
 
-use crate::entry::Entry;
-use crate::model::{Model, State, View, read};
-use crate::parameter::{Parameter, Range};
+use crate::entry::scene;
+use crate::model::{Model, State, read};
 use equip_autodiff::Var;
 use equip_scalar::{Constant, Float};
 
-/// A satellite of Earth and Moon in the frame that rotates with them.
-#[derive(Debug, Clone, Copy)]
-pub struct Arenstorf {
-    /// Mass of the Moon as a part of both.
-    pub mu: Constant,
-    /// Which closed orbit: 1 of period 17.07, 2 of period 11.12.
-    pub orbit: usize,
-}
-
-pub(crate) const SCENE: Entry<Arenstorf> = Entry {
+scene! {
+    /// A satellite of Earth and Moon in the frame that rotates with them.
+    pub struct Arenstorf {
+        mu: Constant = "0.012277471" in above(0.0, 0.5), "mass of the Moon as a part of both; the orbits close at the default only";
+        orbit: usize = "1" in closed(1.0, 2.0), "1: period 17.07; 2: period 11.12";
+    }
     name: "arenstorf",
     title: "Arenstorf orbits",
     formula: "H = (p1^2 + p2^2)/2 + p1 q2 - p2 q1 - (1-mu)/|q + (mu,0)| - mu/|q - (1-mu,0)|",
     source: "Arenstorf, Periodic solutions of the restricted three body problem, Amer. J. Math. 85 (1963); Hairer, Norsett, Wanner, Solving ODEs I, II.0",
-    parameters: &[
-        Parameter::real(
-            "mu",
-            "mass of the Moon as a part of both; the orbits close at the default only",
-            "0.012277471",
-            Range::above(0.0, 0.5),
-        ),
-        Parameter::count("orbit", "1: period 17.07; 2: period 11.12", "1", 1, 2),
-    ],
     invariants: "none besides H, which is half the negative Jacobi constant",
     solution: "closed orbit: reference arenstorf returns to its start",
     hard: "passes the Moon at 0.006, where speeds and accelerations jump; starting data of 29 digits return with 26",
-    build: |v| {
-        Ok(Arenstorf {
-            mu: v[0].exact,
-            orbit: v[1].count(),
-        })
-    },
-};
+}
 
 /// Starting velocity q̇₂ and period of the orbits.
 const ORBITS: [(&str, &str); 2] = [
@@ -92,9 +72,5 @@ impl Model for Arenstorf {
 
     fn end(&self) -> f64 {
         read(self.orbit().1)
-    }
-
-    fn view(&self) -> View {
-        View::Paths(vec![(0, 1)])
     }
 }

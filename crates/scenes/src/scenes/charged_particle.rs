@@ -5,51 +5,26 @@
 //! 2018], with b = 1, c = 1/100, q = (0, −1), q̇ = (0.1, 0.01). Both A and U are unchanged by turns, so q₁p₂
 //! − q₂p₁ is kept.
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::invariant::{Invariant, angular_momenta};
-use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
+use crate::model::{Model, State};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::{Constant, Float, ratio};
 
-/// ½|p − A(q)|² + c/|q| in the field b|q|.
-#[derive(Debug, Clone, Copy)]
-pub struct ChargedParticle {
-    /// Strength b of the magnetic field.
-    pub b: Constant,
-    /// Strength c of the scalar potential.
-    pub c: Constant,
-}
-
-pub(crate) const SCENE: Entry<ChargedParticle> = Entry {
+scene! {
+    /// ½|p − A(q)|² + c/|q| in the field b|q|.
+    pub struct ChargedParticle {
+        b: Constant = "1" in closed(-1e4, 1e4), "strength of the magnetic field";
+        c: Constant = "0.01" in closed(0.0, 1e3), "strength of the repelling potential";
+    }
     name: "charged-particle",
     title: "Charged particle in a magnetic field",
     formula: "H = |p - A(q)|^2/2 + c/|q|, A(q) = (b/3) |q| (-q2, q1)",
     source: "Qin et al., Why is Boris algorithm so good?, Phys. Plasmas 20 (2013); Hairer, Lubich, BIT 58 (2018)",
-    parameters: &[
-        Parameter::real(
-            "b",
-            "strength of the magnetic field",
-            "1",
-            Range::closed(-1e4, 1e4),
-        ),
-        Parameter::real(
-            "c",
-            "strength of the repelling potential",
-            "0.01",
-            Range::closed(0.0, 1e3),
-        ),
-    ],
     invariants: "canonical angular momentum q1 p2 - q2 p1 (quadratic)",
     solution: "none stored",
     hard: "not separable; b >> 1: gyration with frequency b |q| around a slow drift",
-    build: |v| {
-        Ok(ChargedParticle {
-            b: v[0].exact,
-            c: v[1].exact,
-        })
-    },
-};
+}
 
 impl Model for ChargedParticle {
     fn degrees_of_freedom(&self) -> usize {
@@ -85,10 +60,6 @@ impl Model for ChargedParticle {
 
     fn end(&self) -> f64 {
         500.0
-    }
-
-    fn view(&self) -> View {
-        View::Paths(vec![(0, 1)])
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {

@@ -8,65 +8,28 @@
 //! The norm ½ Σ (q_j² + p_j²) is kept. Start q_j = A(1 + δ cos(2πj/n)), p = 0; with δ = 0 the ring turns as
 //! one, q_j + i p_j = A e^{iγA²t/2}.
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::invariant::{Invariant, InvariantKind};
 use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::{Constant, Float, Num, ratio};
 
-/// ½ Σ |Δψ|² − (γ/8) Σ |ψ|⁴ on a ring, with ψ = q + ip.
-#[derive(Debug, Clone, Copy)]
-pub struct Dnls {
-    /// Sites.
-    pub n: usize,
-    /// Strength of the nonlinearity, positive for focusing.
-    pub gamma: Constant,
-    /// Amplitude A of the start.
-    pub amplitude: Constant,
-    /// Modulation δ of the start.
-    pub modulation: Constant,
-}
-
-pub(crate) const SCENE: Entry<Dnls> = Entry {
+scene! {
+    /// ½ Σ |Δψ|² − (γ/8) Σ |ψ|⁴ on a ring, with ψ = q + ip.
+    pub struct Dnls {
+        n: usize = "16" in closed(1.0, 4096.0), "number of sites";
+        gamma: Constant = "1" in closed(-1e3, 1e3), "nonlinearity, positive for focusing";
+        amplitude: Constant = "1" in above(0.0, 100.0), "amplitude of the start";
+        modulation: Constant = "0.1" in closed(-1.0, 1.0), "relative modulation of the start";
+    }
     name: "dnls",
     title: "Discrete nonlinear Schrödinger ring",
     formula: "H = sum [(q_{j+1} - q_j)^2 + (p_{j+1} - p_j)^2]/2 - gamma/8 sum (q_j^2 + p_j^2)^2",
     source: "Kevrekidis, The Discrete Nonlinear Schrödinger Equation, Springer (2009)",
-    parameters: &[
-        Parameter::count("n", "number of sites", "16", 1, 4096),
-        Parameter::real(
-            "gamma",
-            "nonlinearity, positive for focusing",
-            "1",
-            Range::closed(-1e3, 1e3),
-        ),
-        Parameter::real(
-            "amplitude",
-            "amplitude of the start",
-            "1",
-            Range::above(0.0, 100.0),
-        ),
-        Parameter::real(
-            "modulation",
-            "relative modulation of the start",
-            "0.1",
-            Range::closed(-1.0, 1.0),
-        ),
-    ],
     invariants: "norm sum (q_j^2 + p_j^2)/2 (quadratic)",
     solution: "closed form when modulation = 0",
     hard: "not separable; gamma amplitude^2 > 4 sin^2(pi/n) makes the uniform state unstable",
-    build: |v| {
-        let [gamma, amplitude, modulation] = [1, 2, 3].map(|i| v[i].exact);
-        Ok(Dnls {
-            n: v[0].count(),
-            gamma,
-            amplitude,
-            modulation,
-        })
-    },
-};
+}
 
 impl Dnls {
     fn is_uniform(&self) -> bool {
@@ -118,10 +81,6 @@ impl Model for Dnls {
 
     fn step(&self) -> f64 {
         0.5 / (2.0 + self.turning::<f64>().abs())
-    }
-
-    fn end(&self) -> f64 {
-        10.0 * self.period(&self.initial::<f64>())
     }
 
     fn view(&self) -> View {

@@ -11,7 +11,7 @@
 
 use crate::entry::Entry;
 use crate::invariant::{Invariant, InvariantKind};
-use crate::model::{Model, State, View};
+use crate::model::{Model, State};
 use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::{Constant, Float, ratio};
@@ -41,12 +41,17 @@ pub(crate) const SCENE: Entry<DoublePendulum> = Entry {
     formula: "H = (2 P2^2 + D^2 + 2 P2 D cos Q2)/(3 - cos 2Q2) - 2 g cos Q1 - g cos(Q1 + Q2), D = P2 - P1",
     source: "Antoñana, Makazaga, Murua, Reducing and monitoring round-off error propagation for symplectic implicit Runge-Kutta schemes, Numer. Algorithms 76 (2017)",
     parameters: &[
-        Parameter::real("q1", "starting angle of the first rod", "1.1", Range::ANGLE),
+        Parameter::real(
+            "q1",
+            "starting angle of the first rod",
+            "1.1",
+            Range::angle(),
+        ),
         Parameter::real(
             "q2",
             "starting angle of the second rod against the first",
             "-1.1",
-            Range::ANGLE,
+            Range::angle(),
         ),
         Parameter::real("p1", "starting momentum of Q1", "2.7746", MOMENTUM),
         Parameter::real("p2", "starting momentum of Q2", "2.7746", MOMENTUM),
@@ -55,13 +60,10 @@ pub(crate) const SCENE: Entry<DoublePendulum> = Entry {
     invariants: "none besides H; the angular momentum P1 (linear) when g = 0",
     solution: "reference double_pendulum (t = 16)",
     hard: "not separable; q1 = q2 = p1 = 0, p2 = 3.873 is the chaotic start of the source",
-    build: |v| {
-        let start = [v[0].exact, v[1].exact, v[2].exact, v[3].exact];
-        Ok(DoublePendulum {
-            start,
-            g: v[4].exact,
-            spring: None,
-        })
+    build: |v| DoublePendulum {
+        start: [0, 1, 2, 3].map(|i| v[i].exact),
+        g: v[4].exact,
+        spring: None,
     },
 };
 
@@ -85,11 +87,11 @@ pub(crate) const STIFF: Entry<DoublePendulum> = Entry {
     build: |v| {
         let momentum = ratio(27_746, 10_000);
         let start = [ratio(11, 10), ratio(-11, 10), momentum, momentum];
-        Ok(DoublePendulum {
+        DoublePendulum {
             start,
             g: v[1].exact,
             spring: Some(v[0].exact),
-        })
+        }
     },
 };
 
@@ -137,10 +139,6 @@ impl Model for DoublePendulum {
 
     fn end(&self) -> f64 {
         16.0
-    }
-
-    fn view(&self) -> View {
-        View::Paths(vec![(0, 1)])
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {

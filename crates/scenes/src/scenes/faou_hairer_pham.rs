@@ -4,26 +4,22 @@
 //! methods: examples and counter-examples, BIT 44, 2004], from (q, p) = (0, 1), where H = 0. The solution is
 //! not symmetric in time.
 
-use crate::entry::Entry;
-use crate::model::{Model, State, View};
+use crate::entry::scene;
+use crate::model::{Model, State};
 use equip_autodiff::Var;
 use equip_scalar::{Float, ratio};
 
-/// p³/3 − p/2 + q⁶/30 + q⁴/4 − q³/3 + 1/6.
-#[derive(Debug, Clone, Copy)]
-pub struct FaouHairerPham;
-
-pub(crate) const SCENE: Entry<FaouHairerPham> = Entry {
+scene! {
+    /// p³/3 − p/2 + q⁶/30 + q⁴/4 − q³/3 + 1/6.
+    pub struct FaouHairerPham {}
     name: "faou-hairer-pham",
     title: "Faou, Hairer and Pham's polynomial",
     formula: "H = p^3/3 - p/2 + q^6/30 + q^4/4 - q^3/3 + 1/6",
     source: "Faou, Hairer, Pham, Energy conservation with non-symplectic methods: examples and counter-examples, BIT 44 (2004)",
-    parameters: &[],
     invariants: "none besides H",
     solution: "none stored",
     hard: "H(start) = 0 and the kinetic part is not quadratic: relative energy errors mean nothing, the positions alone are no unknowns",
-    build: |_| Ok(FaouHairerPham),
-};
+}
 
 impl Model for FaouHairerPham {
     fn degrees_of_freedom(&self) -> usize {
@@ -52,9 +48,5 @@ impl Model for FaouHairerPham {
 
     fn end(&self) -> f64 {
         100.0
-    }
-
-    fn view(&self) -> View {
-        View::PhasePlane
     }
 }

@@ -8,45 +8,25 @@
 //!
 //! Start: x_{0,1} = y_{0,1} = y_{1,1} = 1, x_{1,1} = 1/ω, zero for the rest.
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
 use equip_autodiff::Var;
 use equip_scalar::{Constant, Float};
 
-/// m stiff springs of frequency ω between soft ones.
-#[derive(Debug, Clone, Copy)]
-pub struct Fpu {
-    /// Stiff springs.
-    pub m: usize,
-    /// Frequency of the stiff springs.
-    pub omega: Constant,
-}
-
-pub(crate) const SCENE: Entry<Fpu> = Entry {
+scene! {
+    /// m stiff springs of frequency ω between soft ones.
+    pub struct Fpu {
+        m: usize = "3" in closed(1.0, 100.0), "number of stiff springs";
+        omega: Constant = "50" in closed(1.0, 1e6), "frequency of the stiff springs";
+    }
     name: "fpu",
     title: "Fermi–Pasta–Ulam with stiff springs",
     formula: "H = sum (y0_i^2 + y1_i^2)/2 + w^2/2 sum x1_i^2 + [(x0_1 - x1_1)^4 + sum (x0_{i+1} - x1_{i+1} - x0_i - x1_i)^4 + (x0_m + x1_m)^4]/4",
     source: "Hairer, Lubich, Wanner, Geometric Numerical Integration, I.5",
-    parameters: &[
-        Parameter::count("m", "number of stiff springs", "3", 1, 100),
-        Parameter::real(
-            "omega",
-            "frequency of the stiff springs",
-            "50",
-            Range::closed(1.0, 1e6),
-        ),
-    ],
     invariants: "none besides H; the oscillatory energy I = sum (y1_i^2 + w^2 x1_i^2)/2 is kept up to O(1/w) only",
     solution: "reference fpu_hlw (m = 3, omega = 50, t = 200)",
     hard: "h omega >> 1: h = 1 with omega = 500 steps over 80 fast periods",
-    build: |v| {
-        Ok(Fpu {
-            m: v[0].count(),
-            omega: v[1].exact,
-        })
-    },
-};
+}
 
 impl Model for Fpu {
     fn degrees_of_freedom(&self) -> usize {

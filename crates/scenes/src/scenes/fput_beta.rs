@@ -4,54 +4,26 @@
 //! Pasta, Ulam, Tsingou, Los Alamos LA-1940, 1955]. Start in the first mode, q_i = A sin(πi/(n + 1)), at
 //! rest. With β = 0 that mode swings with ω₁ = 2 sin(π/(2n + 2)) forever.
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
 use equip_autodiff::Var;
 use equip_scalar::{Constant, Float};
 
-/// n masses between fixed ends, springs d + βd³.
-#[derive(Debug, Clone, Copy)]
-pub struct FputBeta {
-    /// Masses.
-    pub n: usize,
-    /// Strength of the cubic force.
-    pub beta: Constant,
-    /// Amplitude of the first mode.
-    pub amplitude: Constant,
-}
-
-pub(crate) const SCENE: Entry<FputBeta> = Entry {
+scene! {
+    /// n masses between fixed ends, springs d + βd³.
+    pub struct FputBeta {
+        n: usize = "32" in closed(1.0, 4096.0), "number of masses";
+        beta: Constant = "0.3" in closed(0.0, 1e3), "strength of the cubic force";
+        amplitude: Constant = "10" in closed(-1e3, 1e3), "amplitude of the first mode";
+    }
     name: "fput-beta",
     title: "Fermi–Pasta–Ulam–Tsingou beta chain",
     formula: "H = sum p_i^2/2 + sum [d_i^2/2 + beta d_i^4/4], d_i = q_{i+1} - q_i, fixed ends",
     source: "Fermi, Pasta, Ulam, Tsingou, Studies of nonlinear problems, Los Alamos LA-1940 (1955)",
-    parameters: &[
-        Parameter::count("n", "number of masses", "32", 1, 4096),
-        Parameter::real(
-            "beta",
-            "strength of the cubic force",
-            "0.3",
-            Range::closed(0.0, 1e3),
-        ),
-        Parameter::real(
-            "amplitude",
-            "amplitude of the first mode",
-            "10",
-            Range::closed(-1e3, 1e3),
-        ),
-    ],
     invariants: "none besides H",
     solution: "closed form when beta = 0",
     hard: "size: sparse H, cost must grow like n; beta A^2/n^2 above 1 is strongly chaotic",
-    build: |v| {
-        Ok(FputBeta {
-            n: v[0].count(),
-            beta: v[1].exact,
-            amplitude: v[2].exact,
-        })
-    },
-};
+}
 
 impl FputBeta {
     fn is_linear(&self) -> bool {
@@ -98,10 +70,6 @@ impl Model for FputBeta {
 
     fn step(&self) -> f64 {
         0.2
-    }
-
-    fn end(&self) -> f64 {
-        10.0 * self.period(&self.initial::<f64>())
     }
 
     fn view(&self) -> View {

@@ -3,50 +3,27 @@
 //! H = ½ Σ (p_j² + ω_j² q_j²), ω_j = ω ρ^{j−1}. H is quadratic: every Gauss method keeps it and no α is
 //! needed.
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::invariant::{Invariant, InvariantKind, moment};
-use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
+use crate::model::{Model, State};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::{Constant, Float, Num};
 
-/// ½ Σ (p_j² + ω_j² q_j²) with frequencies in geometric progression.
-#[derive(Debug, Clone, Copy)]
-pub struct Harmonic {
-    /// Oscillators.
-    pub m: usize,
-    /// Lowest frequency ω.
-    pub omega: Constant,
-    /// Quotient ρ of consecutive frequencies.
-    pub ratio: Constant,
-}
-
-pub(crate) const SCENE: Entry<Harmonic> = Entry {
+scene! {
+    /// ½ Σ (p_j² + ω_j² q_j²) with frequencies in geometric progression.
+    pub struct Harmonic {
+        m: usize = "2" in closed(1.0, 64.0), "number of oscillators";
+        omega: Constant = "1" in above(0.0, 1e6), "first frequency";
+        ratio: Constant = "2" in closed(0.5, 10.0), "quotient of consecutive frequencies";
+    }
     name: "harmonic",
     title: "Harmonic oscillators",
     formula: "H = sum_j (p_j^2 + w_j^2 q_j^2)/2, w_j = omega ratio^(j-1)",
     source: "textbook",
-    parameters: &[
-        Parameter::count("m", "number of oscillators", "2", 1, 64),
-        Parameter::real("omega", "first frequency", "1", Range::above(0.0, 1e6)),
-        Parameter::real(
-            "ratio",
-            "quotient of consecutive frequencies",
-            "2",
-            Range::closed(0.5, 10.0),
-        ),
-    ],
     invariants: "energy of the first and of the last oscillator (quadratic); angular momentum of the first two when ratio = 1",
     solution: "closed form",
     hard: "h omega >> 1: h = 1 with omega = 10^6 must stay bounded; ratio = 10 with m = 7 spans six decades",
-    build: |v| {
-        Ok(Harmonic {
-            m: v[0].count(),
-            omega: v[1].exact,
-            ratio: v[2].exact,
-        })
-    },
-};
+}
 
 impl Harmonic {
     fn frequencies<T: Float>(&self) -> Vec<T> {
@@ -88,18 +65,6 @@ impl Model for Harmonic {
     fn step(&self) -> f64 {
         let fastest = self.frequencies::<f64>().into_iter().fold(0.0, f64::max);
         0.25 / fastest
-    }
-
-    fn end(&self) -> f64 {
-        10.0 * self.period(&self.initial::<f64>())
-    }
-
-    fn view(&self) -> View {
-        if self.m == 1 {
-            View::PhasePlane
-        } else {
-            View::Paths(vec![(0, 1)])
-        }
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {

@@ -3,68 +3,26 @@
 //! H = (|p|² + |q|²)/2 + q₁²q₂ − q₂³/3, [Hénon, Heiles, Astron. J. 69, 1964; Hairer, Lubich, Wanner, I.3.1].
 //! The start lies on the section q₁ = 0, with p₁ > 0 from the energy: p₁ = √(2E − q₂² + ⅔q₂³ − p₂²).
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::error::SceneError;
-use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range, Value};
+use crate::model::{Model, State};
 use equip_autodiff::Var;
 use equip_scalar::{Constant, Float, ratio};
 
-/// (|p|² + |q|²)/2 + q₁²q₂ − q₂³/3.
-#[derive(Debug, Clone, Copy)]
-pub struct HenonHeiles {
-    /// Energy of the start.
-    pub energy: Constant,
-    /// q₂ of the start.
-    pub q2: Constant,
-    /// p₂ of the start.
-    pub p2: Constant,
-}
-
-const NAME: &str = "henon-heiles";
-
-pub(crate) const SCENE: Entry<HenonHeiles> = Entry {
-    name: NAME,
+scene! {
+    /// (|p|² + |q|²)/2 + q₁²q₂ − q₂³/3.
+    pub struct HenonHeiles {
+        energy: Constant = "1/12" in closed(0.0, 1.0 / 6.0), "energy, at most that of the escape";
+        q2: Constant = "0.3" in closed(-0.5, 1.0), "q2 of the start on the section q1 = 0";
+        p2: Constant = "0.2" in closed(-0.6, 0.6), "p2 of the start";
+    }
+    name: "henon-heiles",
     title: "Hénon–Heiles",
     formula: "H = (p1^2 + p2^2 + q1^2 + q2^2)/2 + q1^2 q2 - q2^3/3",
     source: "Hénon, Heiles, The applicability of the third integral of motion, Astron. J. 69 (1964)",
-    parameters: &[
-        Parameter::real(
-            "energy",
-            "energy, at most that of the escape",
-            "1/12",
-            Range::closed(0.0, 1.0 / 6.0),
-        ),
-        Parameter::real(
-            "q2",
-            "q2 of the start on the section q1 = 0",
-            "0.3",
-            Range::closed(-0.5, 1.0),
-        ),
-        Parameter::real("p2", "p2 of the start", "0.2", Range::closed(-0.6, 0.6)),
-    ],
     invariants: "none besides H",
     solution: "references hh_regular (energy 1/8, t = 1000) and henon_heiles_1_12 (t = 100)",
     hard: "energy above 1/9 mixes order and chaos; at 1/6 nearly all orbits are chaotic and h = 0.5 leaves an energy error a single alpha cannot always remove",
-    build,
-};
-
-fn build(v: &[Value]) -> Result<HenonHeiles, SceneError> {
-    let scene = HenonHeiles {
-        energy: v[0].exact,
-        q2: v[1].exact,
-        p2: v[2].exact,
-    };
-    let energy = v[0].nearest;
-    let needed = energy - scene.free_square::<f64>() / 2.0;
-    if scene.free_square::<f64>() < 0.0 {
-        return Err(SceneError::EnergyTooLow {
-            scene: NAME,
-            energy,
-            needed,
-        });
-    }
-    Ok(scene)
 }
 
 impl HenonHeiles {
@@ -102,8 +60,15 @@ impl Model for HenonHeiles {
     fn end(&self) -> f64 {
         200.0
     }
-
-    fn view(&self) -> View {
-        View::Paths(vec![(0, 1)])
+    fn check(&self) -> Result<(), SceneError> {
+        let (energy, free) = (self.energy.to::<f64>(), self.free_square::<f64>());
+        if free < 0.0 {
+            return Err(SceneError::EnergyTooLow {
+                scene: SCENE.name,
+                energy,
+                needed: energy - free / 2.0,
+            });
+        }
+        Ok(())
     }
 }

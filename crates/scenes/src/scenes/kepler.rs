@@ -3,47 +3,27 @@
 //! H = |p|²/2 − μ/|q|, [Hairer, Lubich, Wanner, Geometric Numerical Integration, I.2.2]; started at the
 //! pericentre of an ellipse with semi-major axis 1: q = (1 − e, 0), p = (0, √(μ(1 + e)/(1 − e))).
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::invariant::{Invariant, InvariantKind, angular_momenta, moment};
 use crate::maths::anomaly::{advance, ellipse};
-use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
+use crate::model::{Model, State};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::{Constant, Float};
 
-/// |p|²/2 − μ/|q| in the plane.
-#[derive(Debug, Clone, Copy)]
-pub struct Kepler {
-    /// Eccentricity of the starting ellipse.
-    pub e: Constant,
-    /// Gravitational parameter.
-    pub mu: Constant,
-}
-
-pub(crate) const SCENE: Entry<Kepler> = Entry {
+scene! {
+    /// |p|²/2 − μ/|q| in the plane.
+    pub struct Kepler {
+        e: Constant = "0.6" in below(0.0, 1.0), "eccentricity of the ellipse, started at its pericentre";
+        mu: Constant = "1" in above(0.0, 1e6), "gravitational parameter";
+    }
     name: "kepler",
     title: "Kepler's problem",
     formula: "H = (p1^2 + p2^2)/2 - mu/sqrt(q1^2 + q2^2)",
     source: "Hairer, Lubich, Wanner, Geometric Numerical Integration, I.2.2",
-    parameters: &[
-        Parameter::real(
-            "e",
-            "eccentricity of the ellipse, started at its pericentre",
-            "0.6",
-            Range::below(0.0, 1.0),
-        ),
-        Parameter::real("mu", "gravitational parameter", "1", Range::above(0.0, 1e6)),
-    ],
     invariants: "angular momentum (quadratic), Laplace-Runge-Lenz vector (not quadratic)",
     solution: "closed form by Kepler's equation; references kepler06_1000 and kepler09_100",
     hard: "e -> 1: at e = 0.99 the speed at the pericentre is 199 times that at the apocentre and a fixed step needs some 10^4 steps a period",
-    build: |v| {
-        Ok(Kepler {
-            e: v[0].exact,
-            mu: v[1].exact,
-        })
-    },
-};
+}
 
 impl Model for Kepler {
     fn degrees_of_freedom(&self) -> usize {
@@ -71,14 +51,6 @@ impl Model for Kepler {
     fn step(&self) -> f64 {
         let e = self.e.to::<f64>();
         self.period(&self.initial::<f64>()) / 24.0 * (1.0 - e) * (1.0 - e * e).sqrt()
-    }
-
-    fn end(&self) -> f64 {
-        10.0 * self.period(&self.initial::<f64>())
-    }
-
-    fn view(&self) -> View {
-        View::Paths(vec![(0, 1)])
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {

@@ -5,51 +5,28 @@
 //! lattice of spacing 2^{1/6} nearest to the origin, with seeded momenta in a square of half side `speed`
 //! whose mean is taken out. Seven atoms are one atom in a hexagon, as in the frozen argon crystal.
 
-use crate::entry::Entry;
-use crate::invariant::{Invariant, angular_momenta, linear_momenta};
+use crate::entry::scene;
+use crate::invariant::{Invariant, all_momenta};
 use crate::maths::seeded::Seeded;
 use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::{Constant, Float};
 
-/// N atoms near a triangular lattice.
-#[derive(Debug, Clone, Copy)]
-pub struct LennardJones {
-    /// Atoms.
-    pub n: usize,
-    /// Largest component of the random momenta.
-    pub speed: Constant,
-    /// Seed of the momenta.
-    pub seed: u64,
-}
-
-pub(crate) const SCENE: Entry<LennardJones> = Entry {
+scene! {
+    /// N atoms near a triangular lattice.
+    pub struct LennardJones {
+        n: usize = "7" in closed(2.0, 512.0), "number of atoms";
+        speed: Constant = "0.2" in closed(0.0, 10.0), "largest component of the random momenta";
+        seed: u64 = "1" in closed(0.0, 4_294_967_295.0), "seed of the momenta";
+    }
     name: "lennard-jones",
     title: "Lennard-Jones cluster",
     formula: "H = sum |p_i|^2/2 + 4 sum_{i<j} (r^-12 - r^-6), r = |q_i - q_j|, in the plane",
     source: "Hairer, Lubich, Wanner, Geometric Numerical Integration, I.4 (frozen argon); seeded momenta are this project's",
-    parameters: &[
-        Parameter::count("n", "number of atoms", "7", 2, 512),
-        Parameter::real(
-            "speed",
-            "largest component of the random momenta",
-            "0.2",
-            Range::closed(0.0, 10.0),
-        ),
-        Parameter::count("seed", "seed of the momenta", "1", 0, u32::MAX),
-    ],
     invariants: "momentum (linear) in x and y, angular momentum (quadratic)",
     solution: "none stored",
     hard: "speed = 10 gives an atom up to 100 times the depth of the well, against a core that rises like r^-12",
-    build: |v| {
-        Ok(LennardJones {
-            n: v[0].count(),
-            speed: v[1].exact,
-            seed: v[2].count() as u64,
-        })
-    },
-};
+}
 
 impl LennardJones {
     /// Lattice coordinates (i, j) of the sites i a + j b, nearest to the origin first.
@@ -124,8 +101,6 @@ impl Model for LennardJones {
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
-        let mut all = linear_momenta(self.n, 2)?;
-        all.extend(angular_momenta(self.n, 2)?);
-        Ok(all)
+        all_momenta(self.n, 2)
     }
 }

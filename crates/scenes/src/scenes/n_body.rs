@@ -6,51 +6,28 @@
 //! side δ; with δ = 0 the turning ring is the exact solution (unstable, though).
 
 use super::gravity;
-use crate::entry::Entry;
-use crate::invariant::{Invariant, angular_momenta, linear_momenta};
+use crate::entry::scene;
+use crate::invariant::{Invariant, all_momenta};
 use crate::maths::seeded::Seeded;
 use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::{Constant, Float, ratio};
 
-/// N bodies of mass 1/N, started near a turning ring of radius 1.
-#[derive(Debug, Clone, Copy)]
-pub struct Ring {
-    /// Bodies.
-    pub n: usize,
-    /// Displacement δ of the start from the ring.
-    pub disorder: Constant,
-    /// Seed of the displacements.
-    pub seed: u64,
-}
-
-pub(crate) const SCENE: Entry<Ring> = Entry {
+scene! {
+    /// N bodies of mass 1/N, started near a turning ring of radius 1.
+    pub struct Ring {
+        n: usize = "8" in closed(2.0, 256.0), "number of bodies";
+        disorder: Constant = "0.01" in closed(0.0, 0.1), "largest displacement from the ring";
+        seed: u64 = "1" in closed(0.0, 4_294_967_295.0), "seed of the displacements";
+    }
     name: "n-body",
     title: "Ring of bodies",
     formula: "H = sum |p_i|^2/(2 m) - sum_{i<j} m^2/|q_i - q_j|, m = 1/n, in space",
     source: "Maxwell, On the stability of the motion of Saturn's rings (1859); seeded displacements are this project's",
-    parameters: &[
-        Parameter::count("n", "number of bodies", "8", 2, 256),
-        Parameter::real(
-            "disorder",
-            "largest displacement from the ring",
-            "0.01",
-            Range::closed(0.0, 0.1),
-        ),
-        Parameter::count("seed", "seed of the displacements", "1", 0, u32::MAX),
-    ],
     invariants: "momentum (linear), angular momentum (quadratic), three components each",
     solution: "closed form when disorder = 0 (unstable: round-off grows)",
     hard: "n bodies cost n^2/2 pairs; the ring is unstable and close encounters follow",
-    build: |v| {
-        Ok(Ring {
-            n: v[0].count(),
-            disorder: v[1].exact,
-            seed: v[2].count() as u64,
-        })
-    },
-};
+}
 
 impl Ring {
     /// Ω.
@@ -115,9 +92,7 @@ impl Model for Ring {
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
-        let mut all = linear_momenta(self.n, 3)?;
-        all.extend(angular_momenta(self.n, 3)?);
-        Ok(all)
+        all_momenta(self.n, 3)
     }
 
     fn exact<T: Float>(&self, t: T) -> Option<State<T>> {

@@ -7,41 +7,25 @@
 //! stored reference fits to its last digit.
 
 use super::gravity;
-use crate::entry::Entry;
-use crate::invariant::{Invariant, angular_momenta, linear_momenta};
-use crate::model::{Model, State, Units, View};
-use crate::parameter::Parameter;
+use crate::entry::scene;
+use crate::invariant::{Invariant, all_momenta};
+use crate::model::{Model, State, Units, View, momenta};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::Float;
 
-/// The Sun and its first outer planets.
-#[derive(Debug, Clone, Copy)]
-pub struct OuterSolarSystem {
-    /// Planets, from Jupiter outwards, 1 to 5.
-    pub planets: usize,
-}
-
-pub(crate) const SCENE: Entry<OuterSolarSystem> = Entry {
+scene! {
+    /// The Sun and its first outer planets.
+    pub struct OuterSolarSystem {
+        planets: usize = "5" in closed(1.0, 5.0), "planets taken, in the order Jupiter, Saturn, Uranus, Neptune, Pluto";
+    }
     name: "outer-solar-system",
     title: "Outer solar system",
     formula: "H = sum |p_i|^2/(2 m_i) - G sum_{i<j} m_i m_j/|q_i - q_j|",
     source: "Hairer, Lubich, Wanner, Geometric Numerical Integration, I.2.4",
-    parameters: &[Parameter::count(
-        "planets",
-        "planets taken, in the order Jupiter, Saturn, Uranus, Neptune, Pluto",
-        "5",
-        1,
-        5,
-    )],
     invariants: "momentum (linear), angular momentum (quadratic), three components each",
     solution: "reference outer_ss (t = 200000 days)",
     hard: "masses from 1 to 8e-9 and |H| = 3e-8: the energy's round-off level lies near 1e-23",
-    build: |v| {
-        Ok(OuterSolarSystem {
-            planets: v[0].count(),
-        })
-    },
-};
+}
 
 /// G in au³/(day² solar mass).
 const G: f64 = 0.000295912208286;
@@ -57,47 +41,23 @@ const GM: [f64; 6] = [
 ];
 
 /// Positions in au.
-const Q: [f64; 18] = [
-    0.0,
-    0.0,
-    0.0, //
-    -3.5023653,
-    -3.8169847,
-    -1.5507963, //
-    9.0755314,
-    -3.0458353,
-    -1.6483708, //
-    8.310142,
-    -16.2901086,
-    -7.2521278, //
-    11.4707666,
-    -25.7294829,
-    -10.8169456, //
-    -15.5387357,
-    -25.2225594,
-    -3.1902382,
+const Q: [[f64; 3]; 6] = [
+    [0.0, 0.0, 0.0],
+    [-3.5023653, -3.8169847, -1.5507963],
+    [9.0755314, -3.0458353, -1.6483708],
+    [8.310142, -16.2901086, -7.2521278],
+    [11.4707666, -25.7294829, -10.8169456],
+    [-15.5387357, -25.2225594, -3.1902382],
 ];
 
 /// Velocities in au/day.
-const V: [f64; 18] = [
-    0.0,
-    0.0,
-    0.0, //
-    0.00565429,
-    -0.0041249,
-    -0.00190589, //
-    0.00168318,
-    0.00483525,
-    0.00192462, //
-    0.00354178,
-    0.00137102,
-    0.00055029, //
-    0.0028893,
-    0.00114527,
-    0.00039677, //
-    0.00276725,
-    -0.00170702,
-    -0.00136504,
+const V: [[f64; 3]; 6] = [
+    [0.0, 0.0, 0.0],
+    [0.00565429, -0.0041249, -0.00190589],
+    [0.00168318, 0.00483525, 0.00192462],
+    [0.00354178, 0.00137102, 0.00055029],
+    [0.0028893, 0.00114527, 0.00039677],
+    [0.00276725, -0.00170702, -0.00136504],
 ];
 
 impl OuterSolarSystem {
@@ -122,15 +82,9 @@ impl Model for OuterSolarSystem {
     }
 
     fn initial<T: Float>(&self) -> State<T> {
-        let n = self.degrees_of_freedom();
-        let q = Q.iter().take(n).map(|&q| T::exact(q)).collect();
-        let p = V
-            .iter()
-            .take(n)
-            .enumerate()
-            .map(|(i, &v)| self.mass::<T>(i) * T::exact(v))
-            .collect();
-        (q, p)
+        let first = |all: &[[f64; 3]; 6]| all[..self.bodies()].as_flattened().to_vec();
+        let q = first(&Q).into_iter().map(T::exact).collect();
+        (q, momenta(self, first(&V).into_iter().map(T::exact)))
     }
 
     /// Jupiter's year, in days.
@@ -158,9 +112,7 @@ impl Model for OuterSolarSystem {
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
-        let mut all = linear_momenta(self.bodies(), 3)?;
-        all.extend(angular_momenta(self.bodies(), 3)?);
-        Ok(all)
+        all_momenta(self.bodies(), 3)
     }
 
     fn mass<T: Float>(&self, component: usize) -> T {

@@ -9,51 +9,26 @@
 //!
 //! t₀ never appears: the addition theorem takes sn, cn, dn at the start from the start itself.
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::maths::elliptic::{Jacobi, add, jacobi, quarter_period};
-use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
+use crate::model::{Model, State};
 use equip_autodiff::Var;
 use equip_scalar::{Constant, Float};
 
-/// p²/2 − cos q.
-#[derive(Debug, Clone, Copy)]
-pub struct Pendulum {
-    /// Starting angle.
-    pub q: Constant,
-    /// Starting angular velocity.
-    pub p: Constant,
-}
-
-pub(crate) const SCENE: Entry<Pendulum> = Entry {
+scene! {
+    /// p²/2 − cos q.
+    pub struct Pendulum {
+        q: Constant = "0" in angle(), "starting angle, 0 hanging down, in radians";
+        p: Constant = "1" in closed(-1e3, 1e3), "starting angular velocity";
+    }
     name: "pendulum",
     title: "Mathematical pendulum",
     formula: "H = p^2/2 - cos q",
     source: "Hairer, Lubich, Wanner, Geometric Numerical Integration, I.1.2",
-    parameters: &[
-        Parameter::real(
-            "q",
-            "starting angle, 0 hanging down, in radians",
-            "0",
-            Range::ANGLE,
-        ),
-        Parameter::real(
-            "p",
-            "starting angular velocity",
-            "1",
-            Range::closed(-1e3, 1e3),
-        ),
-    ],
     invariants: "none besides H",
     solution: "closed form by Jacobi's elliptic functions; reference pendulum",
     hard: "p -> 2 at q = 0 is the separatrix: at p = 1.9999999999 the period is 51.6 instead of 6.28; p >> 1 rotates fast",
-    build: |v| {
-        Ok(Pendulum {
-            q: v[0].exact,
-            p: v[1].exact,
-        })
-    },
-};
+}
 
 /// Modulus and complementary modulus squared of the motion, both without cancellation.
 struct Modulus<T> {
@@ -104,14 +79,6 @@ impl Model for Pendulum {
     fn step(&self) -> f64 {
         let (_, p) = self.initial::<f64>();
         0.25 / (1.0 + p[0].abs() / 4.0)
-    }
-
-    fn end(&self) -> f64 {
-        10.0 * self.period(&self.initial::<f64>())
-    }
-
-    fn view(&self) -> View {
-        View::PhasePlane
     }
 
     fn flow<T: Float>(&self, (q, p): &State<T>, t: T) -> Option<State<T>> {

@@ -4,27 +4,23 @@
 //! [Szebehely, Peters, Astron. J. 72, 1967]. Order of the bodies: 5 at (1, −1), 4 at (−2, −1), 3 at (1, 3).
 
 use super::gravity;
-use crate::entry::Entry;
-use crate::invariant::{Invariant, angular_momenta, linear_momenta};
+use crate::entry::scene;
+use crate::invariant::{Invariant, all_momenta};
 use crate::model::{Model, State, View};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::Float;
 
-/// Three bodies of masses 5, 4 and 3.
-#[derive(Debug, Clone, Copy)]
-pub struct Pythagorean;
-
-pub(crate) const SCENE: Entry<Pythagorean> = Entry {
+scene! {
+    /// Three bodies of masses 5, 4 and 3.
+    pub struct Pythagorean {}
     name: "pythagorean",
     title: "Pythagorean three bodies",
     formula: "H = |p1|^2/10 + |p2|^2/8 + |p3|^2/6 - 20/|q1 - q2| - 15/|q1 - q3| - 12/|q2 - q3|",
     source: "Szebehely, Peters, Complete solution of a general problem of three bodies, Astron. J. 72 (1967)",
-    parameters: &[],
     invariants: "momentum (linear) in x and y, angular momentum (quadratic)",
     solution: "reference pythagorean (t = 10)",
     hard: "close encounters: two bodies pass at 0.0004 near t = 15.83; chaotic until one body escapes near t = 60",
-    build: |_| Ok(Pythagorean),
-};
+}
 
 const MASSES: [i32; 3] = [5, 4, 3];
 
@@ -62,9 +58,7 @@ impl Model for Pythagorean {
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
-        let mut all = linear_momenta(3, 2)?;
-        all.extend(angular_momenta(3, 2)?);
-        Ok(all)
+        all_momenta(3, 2)
     }
 
     fn mass<T: Float>(&self, component: usize) -> T {

@@ -3,41 +3,26 @@
 //! H = p²/2 + q⁴/4: all solutions are one curve scaled. With A = (4E)^{1/4} and Jacobi's functions at k² =
 //! 1/2, q = A cn(At + u₀), p = −A² sn dn, [Abramowitz, Stegun, 16]; u₀ enters by the addition theorem.
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::maths::elliptic::{Jacobi, add, jacobi, quarter_period};
-use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
+use crate::model::{Model, State};
 use equip_autodiff::Var;
 use equip_scalar::{Constant, Float};
 
-/// p²/2 + q⁴/4.
-#[derive(Debug, Clone, Copy)]
-pub struct Quartic {
-    /// Starting position.
-    pub q: Constant,
-    /// Starting momentum.
-    pub p: Constant,
-}
-
-pub(crate) const SCENE: Entry<Quartic> = Entry {
+scene! {
+    /// p²/2 + q⁴/4.
+    pub struct Quartic {
+        q: Constant = "1" in closed(-1e3, 1e3), "starting position";
+        p: Constant = "0" in closed(-1e3, 1e3), "starting momentum";
+    }
     name: "quartic",
     title: "Quartic oscillator",
     formula: "H = p^2/2 + q^4/4",
     source: "textbook; closed form after Abramowitz, Stegun, Handbook of Mathematical Functions, 16",
-    parameters: &[
-        Parameter::real("q", "starting position", "1", Range::closed(-1e3, 1e3)),
-        Parameter::real("p", "starting momentum", "0", Range::closed(-1e3, 1e3)),
-    ],
     invariants: "none besides H",
     solution: "closed form by Jacobi's elliptic functions",
     hard: "amplitude A: the period is 7.416/A; at q = 0 the force and its derivative vanish",
-    build: |v| {
-        Ok(Quartic {
-            q: v[0].exact,
-            p: v[1].exact,
-        })
-    },
-};
+}
 
 /// A = (2p² + q⁴)^{1/4}.
 fn amplitude<T: Float>(q: T, p: T) -> T {
@@ -73,10 +58,6 @@ impl Model for Quartic {
 
     fn end(&self) -> f64 {
         20.0 * self.period(&self.initial::<f64>())
-    }
-
-    fn view(&self) -> View {
-        View::PhasePlane
     }
 
     fn flow<T: Float>(&self, (q, p): &State<T>, t: T) -> Option<State<T>> {

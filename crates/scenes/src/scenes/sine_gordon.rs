@@ -7,59 +7,26 @@
 //! Start: the breather of the continuous equation at its greatest height, [Drazin, Johnson, Solitons, 1989],
 //! q_j = 4 atan(√(1 − ω²)/(ω cosh(√(1 − ω²) x_j))), at rest.
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
 use equip_autodiff::Var;
 use equip_scalar::{Constant, Float};
 
-/// Σ [½p² + (Δq)²/(2Δ²) + 1 − cos q] on a ring.
-#[derive(Debug, Clone, Copy)]
-pub struct SineGordon {
-    /// Grid points.
-    pub n: usize,
-    /// Length L of the ring.
-    pub length: Constant,
-    /// Frequency ω of the breather.
-    pub omega: Constant,
-}
-
-pub(crate) const SCENE: Entry<SineGordon> = Entry {
+scene! {
+    /// Σ [½p² + (Δq)²/(2Δ²) + 1 − cos q] on a ring.
+    pub struct SineGordon {
+        n: usize = "64" in closed(2.0, 4096.0), "number of grid points";
+        length: Constant = "40" in closed(1.0, 1e3), "length of the ring";
+        omega: Constant = "0.6" in open(0.0, 1.0), "frequency of the breather";
+    }
     name: "sine-gordon",
     title: "Sine-Gordon breather on a grid",
     formula: "H = sum [p_j^2/2 + (q_{j+1} - q_j)^2/(2 D^2) + 1 - cos q_j], D = length/n, ring",
     source: "Drazin, Johnson, Solitons: an introduction, Cambridge (1989); second differences in space",
-    parameters: &[
-        Parameter::count("n", "number of grid points", "64", 2, 4096),
-        Parameter::real(
-            "length",
-            "length of the ring",
-            "40",
-            Range::closed(1.0, 1e3),
-        ),
-        Parameter::real(
-            "omega",
-            "frequency of the breather",
-            "0.6",
-            Range {
-                low: 0.0,
-                low_included: false,
-                high: 1.0,
-                high_included: false,
-            },
-        ),
-    ],
     invariants: "none besides H (the grid breaks the momentum)",
     solution: "none stored; the continuous breather has period 2 pi/omega",
     hard: "fine grids: fastest frequency 2 n/length, so n = 4096 on length 10 has 819; omega -> 0 is nearly a pair of kinks",
-    build: |v| {
-        Ok(SineGordon {
-            n: v[0].count(),
-            length: v[1].exact,
-            omega: v[2].exact,
-        })
-    },
-};
+}
 
 impl Model for SineGordon {
     fn degrees_of_freedom(&self) -> usize {
@@ -94,10 +61,6 @@ impl Model for SineGordon {
 
     fn step(&self) -> f64 {
         self.length.to::<f64>() / (4.0 * self.n as f64)
-    }
-
-    fn end(&self) -> f64 {
-        10.0 * self.period(&self.initial::<f64>())
     }
 
     fn view(&self) -> View {

@@ -5,46 +5,26 @@
 //! speed 1 balances it to first order, q = (1 + 1/k, 0), p = (0, −1): little energy in the fast motion at any
 //! k.
 
-use crate::entry::Entry;
+use crate::entry::scene;
 use crate::invariant::{Invariant, angular_momenta};
-use crate::model::{Model, State, View};
-use crate::parameter::{Parameter, Range};
+use crate::model::{Model, State};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::{Constant, Float};
 
-/// ½|p|² + g q₂ + ½k(|q| − 1)².
-#[derive(Debug, Clone, Copy)]
-pub struct SpringPendulum {
-    /// Stiffness.
-    pub k: Constant,
-    /// Acceleration of gravity.
-    pub g: Constant,
-}
-
-pub(crate) const SCENE: Entry<SpringPendulum> = Entry {
+scene! {
+    /// ½|p|² + g q₂ + ½k(|q| − 1)².
+    pub struct SpringPendulum {
+        k: Constant = "10000" in closed(1.0, 1e12), "stiffness of the spring";
+        g: Constant = "1" in closed(0.0, 1e3), "acceleration of gravity";
+    }
     name: "spring-pendulum",
     title: "Stiff spring pendulum",
     formula: "H = |p|^2/2 + g q2 + k (|q| - 1)^2/2",
     source: "Ascher, Reich, On some difficulties in integrating highly oscillatory Hamiltonian systems, LNCSE 4 (1999)",
-    parameters: &[
-        Parameter::real(
-            "k",
-            "stiffness of the spring",
-            "10000",
-            Range::closed(1.0, 1e12),
-        ),
-        Parameter::real("g", "acceleration of gravity", "1", Range::closed(0.0, 1e3)),
-    ],
     invariants: "none besides H; angular momentum when g = 0",
     solution: "none stored",
     hard: "k -> infinity: fast frequency sqrt(k), h = 0.1 gives h omega = 10 at the default and 10^5 at k = 10^12",
-    build: |v| {
-        Ok(SpringPendulum {
-            k: v[0].exact,
-            g: v[1].exact,
-        })
-    },
-};
+}
 
 impl Model for SpringPendulum {
     fn degrees_of_freedom(&self) -> usize {
@@ -72,10 +52,6 @@ impl Model for SpringPendulum {
 
     fn end(&self) -> f64 {
         20.0
-    }
-
-    fn view(&self) -> View {
-        View::Paths(vec![(0, 1)])
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
