@@ -5,7 +5,7 @@
 //! the last knot are none of these, as polynomials go on there.
 
 use crate::knots::Knots;
-use crate::polynomial::derivative;
+use crate::polynomial::{derivative, words};
 use equip_scalar::{DoubleDouble, Float, Outside};
 use std::sync::Arc;
 
@@ -74,7 +74,6 @@ impl Outside for Alternating {
         let x = DoubleDouble::new(hi, lo);
         let i = self.knots.before_pair(x);
         let [start, end] = [i, i + 1].map(|i| self.knots.pairs[i]);
-        let result = self.at(i, order, x - start, end - start);
-        [result.hi(), result.lo()]
+        words(self.at(i, order, x - start, end - start))
     }
 }

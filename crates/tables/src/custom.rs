@@ -1,6 +1,7 @@
 //! [`Custom`]: a function of one variable given as closures.
 
 use crate::error::TableError;
+use crate::polynomial::words;
 use equip_scalar::{DoubleDouble, Num, Outside, Scalar};
 use std::fmt;
 use std::sync::Arc;
@@ -33,7 +34,6 @@ type Function<T> = Box<dyn Fn(T) -> T + Send + Sync>;
 #[derive(Clone)]
 pub struct Custom {
     closures: Arc<Closures>,
-    outside: Arc<dyn Outside>,
 }
 
 impl Custom {
@@ -72,22 +72,23 @@ impl Custom {
 
     fn of(closures: Closures) -> Self {
         let closures = Arc::new(closures);
-        Custom {
-            outside: Arc::clone(&closures) as Arc<dyn Outside>,
-            closures,
-        }
+        Custom { closures }
+    }
+
+    fn outside(&self) -> Arc<dyn Outside> {
+        self.closures.clone()
     }
 
     /// f(x), in an energy: `v.at(q[0])`.
     #[inline]
     pub fn at<S: Scalar>(&self, x: Num<S>) -> Num<S> {
-        Num(S::outside(&self.outside, [0, 0], [x.0, x.0]))
+        Num(S::outside(&self.outside(), [0, 0], [x.0, x.0]))
     }
 
     /// f′(x), in an energy.
     #[inline]
     pub fn derivative_at<S: Scalar>(&self, x: Num<S>) -> Num<S> {
-        Num(S::outside(&self.outside, [1, 0], [x.0, x.0]))
+        Num(S::outside(&self.outside(), [1, 0], [x.0, x.0]))
     }
 
     /// Compares f′ and f″ at x with differences of f and f′. They may differ by 10⁻⁶ of their size: enough
@@ -161,12 +162,10 @@ impl Outside for Closures {
 
     fn derivative_in_pairs(&self, [order, _]: [u8; 2], [[hi, lo], _]: [[f64; 2]; 2]) -> [f64; 2] {
         if let Some(f) = self.pairs.as_ref().and_then(|f| f.get(usize::from(order))) {
-            let result = f(DoubleDouble::new(hi, lo));
-            return [result.hi(), result.lo()];
+            return words(f(DoubleDouble::new(hi, lo)));
         }
         let at = |order: u8| self.derivative([order, 0], [hi, hi]);
         let change = if lo == 0.0 { 0.0 } else { at(order + 1) * lo };
-        let result = DoubleDouble::new(at(order), change);
-        [result.hi(), result.lo()]
+        words(DoubleDouble::new(at(order), change))
     }
 }

@@ -1,6 +1,6 @@
-//! Cubic polynomials Σ c_k tᵏ and their derivatives.
+//! Cubic polynomials Σ c_k tᵏ and their derivatives, and how an [`Outside`](equip_scalar::Outside) returns them.
 
-use equip_scalar::Float;
+use equip_scalar::{DoubleDouble, Float};
 
 /// The derivative of this order at t.
 #[inline(always)]
@@ -12,4 +12,9 @@ pub(super) fn derivative<T: Float>([c0, c1, c2, c3]: [T; 4], order: u8, t: T) ->
         3 => T::int(6) * c3,
         _ => T::int(0),
     }
+}
+
+/// The two words of a double-double.
+pub(super) fn words(x: DoubleDouble) -> [f64; 2] {
+    [x.hi(), x.lo()]
 }

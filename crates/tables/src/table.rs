@@ -4,7 +4,7 @@ use crate::alternating::Alternating;
 use crate::bytes;
 use crate::error::TableError;
 use crate::knots::Knots;
-use crate::polynomial::derivative;
+use crate::polynomial::{derivative, words};
 use crate::spline::{End, check_ends, spline};
 use equip_scalar::{DoubleDouble, Num, Outside, Scalar};
 use std::ops::RangeInclusive;
@@ -37,7 +37,6 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Table {
     interpolant: Arc<Interpolant>,
-    outside: Arc<dyn Outside>,
 }
 
 impl Table {
@@ -107,7 +106,7 @@ impl Table {
             return Err(TableError::Overflow { index });
         }
         let starts = knots.pairs.iter().map(|x| x.hi());
-        let interpolant = Arc::new(Interpolant {
+        let interpolant = Interpolant {
             rounded: starts.zip(rounded).collect(),
             pieces,
             kinks: Alternating::of(&knots, 0, 1),
@@ -115,10 +114,9 @@ impl Table {
             ends,
             knots,
             is_extrapolated: false,
-        });
+        };
         Ok(Table {
-            outside: Arc::clone(&interpolant) as Arc<dyn Outside>,
-            interpolant,
+            interpolant: Arc::new(interpolant),
         })
     }
 
@@ -139,30 +137,25 @@ impl Table {
     /// ```
     #[must_use]
     pub fn extrapolated(&self) -> Self {
-        let interpolant = Arc::new(Interpolant {
-            is_extrapolated: true,
-            ..(*self.interpolant).clone()
-        });
-        Table {
-            outside: Arc::clone(&interpolant) as Arc<dyn Outside>,
-            interpolant,
-        }
+        let mut table = self.clone();
+        Arc::make_mut(&mut table.interpolant).is_extrapolated = true;
+        table
     }
 
     pub(crate) fn outside(&self) -> Arc<dyn Outside> {
-        Arc::clone(&self.outside)
+        self.interpolant.clone()
     }
 
     /// y(x), in an energy: `v.at(q[0])`.
     #[inline]
     pub fn at<S: Scalar>(&self, x: Num<S>) -> Num<S> {
-        Num(S::outside(&self.outside, [0, 0], [x.0, x.0]))
+        Num(S::outside(&self.outside(), [0, 0], [x.0, x.0]))
     }
 
     /// y′(x), in an energy.
     #[inline]
     pub fn derivative_at<S: Scalar>(&self, x: Num<S>) -> Num<S> {
-        Num(S::outside(&self.outside, [1, 0], [x.0, x.0]))
+        Num(S::outside(&self.outside(), [1, 0], [x.0, x.0]))
     }
 
     /// \[y, y′, y″, y‴\] at x, for plots and checks.
@@ -258,8 +251,7 @@ impl Outside for Interpolant {
         let x = DoubleDouble::new(hi, lo);
         let interval = self.knots.before_pair(x);
         let t = x - self.knots.pairs[interval];
-        let result = derivative(self.pieces[interval], order, t);
-        [result.hi(), result.lo()]
+        words(derivative(self.pieces[interval], order, t))
     }
 
     fn to_bytes(&self) -> Option<Vec<u8>> {

@@ -4,7 +4,7 @@ use crate::alternating::Alternating;
 use crate::bytes;
 use crate::error::TableError;
 use crate::knots::Knots;
-use crate::polynomial::derivative;
+use crate::polynomial::{derivative, words};
 use crate::spline::{End, check_ends, spline};
 use crate::table::finite_values;
 use equip_scalar::{DoubleDouble, Float, Num, Outside, Scalar};
@@ -30,7 +30,6 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Table2 {
     interpolant: Arc<Interpolant>,
-    outside: Arc<dyn Outside>,
 }
 
 impl Table2 {
@@ -81,7 +80,7 @@ impl Table2 {
             let index = cell / (knots[1].len() - 1);
             return Err(TableError::Overflow { index });
         }
-        let interpolant = Arc::new(Interpolant {
+        let interpolant = Interpolant {
             kinks: [0, 1].map(|axis| Alternating::of(&knots[axis], axis, 2)),
             knots,
             values,
@@ -89,10 +88,9 @@ impl Table2 {
             is_extrapolated: false,
             cells,
             rounded,
-        });
+        };
         Ok(Table2 {
-            outside: Arc::clone(&interpolant) as Arc<dyn Outside>,
-            interpolant,
+            interpolant: Arc::new(interpolant),
         })
     }
 
@@ -100,24 +98,19 @@ impl Table2 {
     /// there, without data.
     #[must_use]
     pub fn extrapolated(&self) -> Self {
-        let interpolant = Arc::new(Interpolant {
-            is_extrapolated: true,
-            ..(*self.interpolant).clone()
-        });
-        Table2 {
-            outside: Arc::clone(&interpolant) as Arc<dyn Outside>,
-            interpolant,
-        }
+        let mut table = self.clone();
+        Arc::make_mut(&mut table.interpolant).is_extrapolated = true;
+        table
     }
 
     pub(crate) fn outside(&self) -> Arc<dyn Outside> {
-        Arc::clone(&self.outside)
+        self.interpolant.clone()
     }
 
     /// z(x, y), in an energy: `v.at(q[0], q[1])`.
     #[inline]
     pub fn at<S: Scalar>(&self, x: Num<S>, y: Num<S>) -> Num<S> {
-        Num(S::outside(&self.outside, [0, 0], [x.0, y.0]))
+        Num(S::outside(&self.outside(), [0, 0], [x.0, y.0]))
     }
 
     /// z(x, y), for plots and checks.
@@ -214,8 +207,7 @@ impl Outside for Interpolant {
         let [in_x, in_y] = &self.knots;
         let (i, j) = (in_x.before_pair(x), in_y.before_pair(y));
         let t = [x - in_x.pairs[i], y - in_y.pairs[j]];
-        let result = in_cell(&self.cells[self.cell([i, j])], orders, t);
-        [result.hi(), result.lo()]
+        words(in_cell(&self.cells[self.cell([i, j])], orders, t))
     }
 
     fn to_bytes(&self) -> Option<Vec<u8>> {

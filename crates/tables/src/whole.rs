@@ -4,6 +4,7 @@
 //! g = ± 4 (x − n)(n + 1 − x), with + for even n: it changes its sign at every integer, and g and g′ are
 //! continuous.
 
+use crate::polynomial::words;
 use equip_scalar::{DoubleDouble, Float, Num, Outside, Scalar};
 use std::sync::{Arc, LazyLock};
 
@@ -66,11 +67,10 @@ impl Outside for Floor {
     }
 
     fn derivative_in_pairs(&self, [order, _]: [u8; 2], [x, _]: [[f64; 2]; 2]) -> [f64; 2] {
-        if order > 0 {
-            return [0.0; 2];
+        match order {
+            0 => words(round_off_of(x)),
+            _ => [0.0; 2],
         }
-        let whole = round_off_of(x);
-        [whole.hi(), whole.lo()]
     }
 
     fn to_bytes(&self) -> Option<Vec<u8>> {
@@ -111,7 +111,6 @@ impl Outside for Waves {
         let whole = round_off_of(x);
         let is_even = (whole.hi() % 2.0 == 0.0) == (whole.lo() % 2.0 == 0.0);
         let t = DoubleDouble::new(x[0], x[1]) - whole;
-        let result = wave(order, t, is_even);
-        [result.hi(), result.lo()]
+        words(wave(order, t, is_even))
     }
 }
