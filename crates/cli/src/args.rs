@@ -8,7 +8,7 @@ mod others;
 mod run;
 mod shared;
 
-pub(crate) use number::number;
+pub(crate) use number::{number, positive};
 pub(crate) use others::{CheckArgs, GrowthArgs, PaperArgs, ReportArgs, ScenesArgs, SectionArgs};
 pub(crate) use run::{MethodName, Precision, ReachName, RunArgs};
 

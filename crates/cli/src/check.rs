@@ -41,11 +41,8 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
         (case.quick || !args.quick) && text.to_lowercase().contains(&wanted)
     });
     if cases.is_empty() {
-        return Err(Fault::Option {
-            option: "--only",
-            value: wanted,
-            expected: "a part of the theme, the name or the setting of some row",
-        });
+        let expected = "a part of the theme, the name or the setting of some row";
+        return Err(Fault::option("--only", wanted, expected));
     }
     apart(&[
         ("--json", args.json.as_deref()),
@@ -61,6 +58,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
     let json_text = json.as_ref().map(|_| documents::json(&rows, &summary));
     let json_text = json_text.transpose().map_err(std::io::Error::from)?;
     let csv_text = csv.as_ref().map(|_| documents::csv(&rows));
+    let csv_text = csv_text.transpose().map_err(std::io::Error::from)?;
     let html_text = html.as_ref().map(|_| html::document(&rows, &summary));
     for (file, text) in [(json, json_text), (csv, csv_text), (html, html_text)] {
         if let (Some(file), Some(text)) = (file, text) {
@@ -77,7 +75,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
 }
 
 /// Runs the cases on all cores and prints each as soon as all before it are printed.
-fn run_all(cases: &[Case]) -> Result<Vec<Row>, Fault> {
+fn run_all(cases: &[Case]) -> Result<Vec<Row<'_>>, Fault> {
     let bar = steps_of("rows", cases.len());
     let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
     let (next, cache) = (AtomicUsize::new(0), Cache::default());
@@ -102,7 +100,7 @@ fn run_all(cases: &[Case]) -> Result<Vec<Row>, Fault> {
             });
         }
         drop(send);
-        let mut waiting: Vec<Option<Row>> = cases.iter().map(|_| None).collect();
+        let mut waiting: Vec<Option<Row<'_>>> = cases.iter().map(|_| None).collect();
         let mut rows = Vec::with_capacity(cases.len());
         let mut theme = "";
         for (index, row) in receive {
@@ -110,8 +108,8 @@ fn run_all(cases: &[Case]) -> Result<Vec<Row>, Fault> {
             bar.inc(1);
             while let Some(row) = waiting.get_mut(rows.len()).and_then(Option::take) {
                 let mut text = Vec::new();
-                if row.theme != theme {
-                    theme = row.theme;
+                if row.case.theme != theme {
+                    theme = row.case.theme;
                     table::head(&mut text, theme)?;
                 }
                 table::line(&mut text, &row)?;

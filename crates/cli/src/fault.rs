@@ -100,6 +100,20 @@ pub(crate) enum Fault {
 }
 
 impl Fault {
+    /// An option with a value that it does not take.
+    pub(crate) fn option(
+        option: &'static str,
+        value: impl ToString,
+        expected: &'static str,
+    ) -> Self {
+        let value = value.to_string();
+        Fault::Option {
+            option,
+            value,
+            expected,
+        }
+    }
+
     /// A fault found before the first step.
     pub(crate) fn start<T: Float>(error: IntegrateError<T>) -> Self {
         Fault::Start(in_flags(&error).into())

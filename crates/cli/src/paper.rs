@@ -80,38 +80,29 @@ fn text(paper: &Paper) -> String {
         text,
         "\nError after two periods, largest component of (q, p), in double-double"
     );
-    let _ = writeln!(
-        text,
-        "{:<3}{:<18}{:>11}{:>11}{:>11}{:>8}",
-        "s", "method", "80 steps", "160", "320", "order"
-    );
+    let mut line = |s: &str, method: &str, [a, b, c, d]: [&str; 4]| {
+        let _ = writeln!(text, "{s:<3}{method:<18}{a:>11}{b:>11}{c:>11}{d:>8}");
+    };
+    line("s", "method", ["80 steps", "160", "320", "order"]);
     for row in &paper.convergence {
-        let _ = writeln!(
-            text,
-            "{:<3}{:<18}{:>11.3e}{:>11.3e}{:>11.3e}{:>8.2}",
-            row.stages,
+        let (s, cells) = (row.stages.to_string(), row.cells());
+        line(
+            &s,
             row.method.name(),
-            row.errors[0],
-            row.errors[1],
-            row.errors[2],
-            row.order()
+            cells.each_ref().map(|cell| &cell[..]),
         );
     }
     let _ = writeln!(text, "\nKepler's problem, 1000 periods of 200 steps");
-    let _ = writeln!(
-        text,
-        "{:<3}{:<18}{:>13}{:>13}{:>13}",
-        "s", "method", "error", "max |ΔH|", "max |ΔL|"
-    );
+    let mut line = |s: &str, method: &str, [a, b, c]: [&str; 3]| {
+        let _ = writeln!(text, "{s:<3}{method:<18}{a:>13}{b:>13}{c:>13}");
+    };
+    line("s", "method", ["error", "max |ΔH|", "max |ΔL|"]);
     for orbit in &paper.orbits {
-        let _ = writeln!(
-            text,
-            "{:<3}{:<18}{:>13.2e}{:>13.1e}{:>13.1e}",
-            orbit.stages,
+        let (s, cells) = (orbit.stages.to_string(), orbit.cells());
+        line(
+            &s,
             orbit.method.name(),
-            orbit.error,
-            orbit.energy,
-            orbit.momentum
+            cells.each_ref().map(|cell| &cell[..]),
         );
     }
     text

@@ -46,10 +46,9 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
     let mut jobs: Vec<(&Entry, bool)> = ENTRIES.iter().map(|e| (e, false)).collect();
     jobs.extend(ENTRIES.iter().filter(|e| e.extended).map(|e| (e, true)));
     jobs.retain(|(entry, extended)| {
-        let precision = if *extended {
-            DoubleDouble::NAME
-        } else {
-            f64::NAME
+        let precision = match extended {
+            true => DoubleDouble::NAME,
+            false => f64::NAME,
         };
         let name = format!("{}-{precision}", entry.name);
         let quick = entry.quick && (!extended || entry.name.starts_with("kepler"));
@@ -59,11 +58,8 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
         .iter()
         .any(|name| name.contains(&wanted));
     if jobs.is_empty() && !has_long {
-        return Err(Fault::Option {
-            option: "--only",
-            value: wanted,
-            expected: "a part of the name of some scene, like kepler-0.6-f64",
-        });
+        let expected = "a part of the name of some scene, like kepler-0.6-f64";
+        return Err(Fault::option("--only", wanted, expected));
     }
     // A directory that cannot be made is worth knowing before the work.
     fs::create_dir_all(&args.out).map_err(|source| fault(&args.out, source))?;
@@ -83,22 +79,15 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
             run: scene / 30,
             scene,
         };
-        let result = if *extended {
-            measured::<DoubleDouble>(
-                entry,
-                if args.quick {
-                    &[8, 12]
-                } else {
-                    &[6, 8, 10, 12]
-                },
-                EXTENDED,
-                budget,
-                &bar,
-            )?
-        } else if args.quick {
-            measured::<f64>(entry, &[4, 6, 8], DOUBLE, budget, &bar)?
-        } else {
-            measured::<f64>(entry, &[3, 4, 6, 8, 10], DOUBLE, budget, &bar)?
+        let stages: &[usize] = match (extended, args.quick) {
+            (true, true) => &[8, 12],
+            (true, false) => &[6, 8, 10, 12],
+            (false, true) => &[4, 6, 8],
+            (false, false) => &[3, 4, 6, 8, 10],
+        };
+        let result = match extended {
+            true => measured::<DoubleDouble>(entry, stages, EXTENDED, budget, &bar)?,
+            false => measured::<f64>(entry, stages, DOUBLE, budget, &bar)?,
         };
         bar.inc(1);
         results.push(result);

@@ -12,7 +12,7 @@ pub(crate) mod progress;
 mod signals;
 mod watch;
 
-use crate::args::{MethodName, Precision, ReachName, RunArgs, number};
+use crate::args::{MethodName, Precision, ReachName, RunArgs, number, positive};
 use crate::draw::samples::Picture;
 use crate::fault::Fault;
 use crate::text::{significant, without_long_numbers};
@@ -51,7 +51,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     let method = method::<T>(args.stages, &args.method)?;
     let h = match &args.target_error {
         None => h,
-        Some(text) => step_for(target_error(text)?, instance, method, end)?,
+        Some(text) => step_for(positive("--target-error", text)?, instance, method, end)?,
     };
     let tolerance = args
         .tolerance()
@@ -87,12 +87,11 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         (args.out.clone()).map(|path| (path, Mark::new(q0.len(), args.every, args.lyapunov)));
     let (mut from, mut claim) = (None, None);
     if let Some(path) = &args.checkpoint {
-        let every =
-            Duration::try_from_secs_f64(args.checkpoint_every).map_err(|_| Fault::Option {
-                option: "--checkpoint-every",
-                value: args.checkpoint_every.to_string(),
-                expected: "a number of seconds from 0 to 1e18",
-            })?;
+        let seconds = args.checkpoint_every;
+        let every = Duration::try_from_secs_f64(seconds).map_err(|_| {
+            let expected = "a number of seconds from 0 to 1e18";
+            Fault::option("--checkpoint-every", seconds, expected)
+        })?;
         ordinary("--checkpoint", path)?;
         claim = Some(Claim::new(path)?);
         watch.saver = Some(Saver::new(path, every, instance));
@@ -177,15 +176,12 @@ fn resume<T: Float>(
     // beyond the end by the rounding of time.
     let rounding = T::int(4) * T::EPSILON * end.abs();
     if time * end > T::int(0) && time.abs() > end.abs() + rounding {
-        return Err(Fault::Option {
-            option: if args.periods.is_some() {
-                "--periods"
-            } else {
-                "--until"
-            },
-            value: format!("t = {end}"),
-            expected: "no earlier than the checkpoint",
-        });
+        let option = match args.periods {
+            Some(_) => "--periods",
+            None => "--until",
+        };
+        let (value, expected) = (format!("t = {end}"), "no earlier than the checkpoint");
+        return Err(Fault::option(option, value, expected));
     }
     let mut resumed = Resumed::default();
     match (&mut watch.out, table) {
@@ -258,18 +254,7 @@ fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), F
     let period = || instance.period::<T>();
     let h = match (&args.step, &args.steps_per_period) {
         (Some(text), _) => number::<T>("--step", text)?,
-        (None, Some(text)) => {
-            let steps = number::<T>("--steps-per-period", text)?;
-            if !(steps > T::int(0) && steps.is_finite()) {
-                let (option, value) = ("--steps-per-period", text.clone());
-                return Err(Fault::Option {
-                    option,
-                    value,
-                    expected: "positive and finite",
-                });
-            }
-            period() / steps
-        }
+        (None, Some(text)) => period() / positive::<T>("--steps-per-period", text)?,
         (None, None) => T::exact(instance.suggested_step()),
     };
     let end = match (&args.until, &args.periods) {
@@ -278,18 +263,6 @@ fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), F
         (None, None) => T::exact(instance.suggested_end()),
     };
     Ok((h, end))
-}
-
-fn target_error<T: Float>(text: &str) -> Result<T, Fault> {
-    let target = number::<T>("--target-error", text)?;
-    if target.is_finite() && target > T::int(0) {
-        return Ok(target);
-    }
-    Err(Fault::Option {
-        option: "--target-error",
-        value: text.to_owned(),
-        expected: "positive and finite",
-    })
 }
 
 /// The step for an error at the end, from trial runs over a period, forward or back in time as the run.

@@ -2,5 +2,6 @@
 
 pub(crate) mod checkpoint;
 pub(crate) mod csv;
+pub(crate) mod json;
 pub(crate) mod lock;
 pub(crate) mod outputs;

@@ -1,4 +1,4 @@
-//! Cubic polynomials Σ c_k tᵏ and their derivatives, and how an [`Outside`](equip_scalar::Outside) returns them.
+//! Cubic polynomials Σ c_k tᵏ and their derivatives, and the form of derivatives in double-double.
 
 use equip_scalar::{DoubleDouble, Float};
 

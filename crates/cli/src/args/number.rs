@@ -12,3 +12,12 @@ pub(crate) fn number<T: Float>(option: &'static str, text: &str) -> Result<T, Fa
         None => read(text),
     }
 }
+
+/// The same, if it is positive and finite.
+pub(crate) fn positive<T: Float>(option: &'static str, text: &str) -> Result<T, Fault> {
+    let x = number::<T>(option, text)?;
+    match x > T::int(0) && x.is_finite() {
+        true => Ok(x),
+        false => Err(Fault::option(option, text, "positive and finite")),
+    }
+}

@@ -2,7 +2,7 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::Invariant;
-use equip_scalar::{Constant, Float};
+use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
 use std::error::Error;
 
@@ -91,6 +91,15 @@ pub(crate) enum Numbers {
     Dd,
 }
 
+impl Numbers {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Numbers::F64 => f64::NAME,
+            Numbers::Dd => DoubleDouble::NAME,
+        }
+    }
+}
+
 /// The part of the state whose error is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Judged {
@@ -123,6 +132,12 @@ pub(crate) enum Reference {
     },
     /// The same method on the same problem in other units, with step `h`.
     Scaled { problem: Builder, h: f64 },
+}
+
+impl Reference {
+    pub(crate) fn fine(stages: usize, divide: u64) -> Self {
+        Reference::Fine { stages, divide }
+    }
 }
 
 /// Builds the problem of a row; called once, in the thread that runs the row.
@@ -264,9 +279,9 @@ impl Case {
         self
     }
 
-    /// Leaves the row to the complete run.
-    pub(crate) fn complete_only(mut self) -> Self {
-        self.quick = false;
+    /// Whether the row belongs to the quick run too; else it is left to the complete one.
+    pub(crate) fn quick(mut self, is_quick: bool) -> Self {
+        self.quick = is_quick;
         self
     }
 
@@ -298,15 +313,11 @@ pub(crate) fn scene(
     name: &'static str,
     parameters: &[(&str, &str)],
 ) -> impl Fn() -> Result<Problem, BuildFault> + Send + Sync + 'static {
-    let parameters: Vec<(String, String)> = parameters
-        .iter()
-        .map(|&(name, value)| (name.to_owned(), value.to_owned()))
-        .collect();
+    let owned = |&(name, value): &(&str, &str)| (name.to_owned(), value.to_owned());
+    let parameters: Vec<_> = parameters.iter().map(owned).collect();
     move || {
-        let values: Vec<_> = parameters
-            .iter()
-            .map(|(n, v)| (n.as_str(), v.as_str()))
-            .collect();
-        Ok(equip_scenes::find(name)?.instance(&values)?.into())
+        let values = parameters.iter().map(|(n, v)| (n.as_str(), v.as_str()));
+        let instance = equip_scenes::find(name)?.instance(&values.collect::<Vec<_>>())?;
+        Ok(instance.into())
     }
 }

@@ -4,98 +4,57 @@
 use super::measure::Row;
 use super::summary::Summary;
 use crate::write::csv::cell;
+use crate::write::json::object;
 use serde::Serialize;
+use serde_json::Value;
 use std::collections::BTreeMap;
 
-#[derive(Debug, Serialize)]
-struct Quantity<'a> {
-    name: &'a str,
-    max_error: f64,
-    in_round_offs: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct Document<'a> {
-    theme: &'a str,
-    name: &'a str,
-    stages: usize,
-    step: f64,
-    h_omega: Option<f64>,
-    precision: &'a str,
-    steps_wanted: u64,
-    steps: u64,
-    outcomes: BTreeMap<&'a str, u64>,
-    energy_in_round_off_levels: Option<f64>,
-    energy_in_round_off_levels_by_double_double: Option<f64>,
-    energy: f64,
-    energy_gauss: f64,
-    invariants: Vec<Quantity<'a>>,
-    error: Option<f64>,
-    error_gauss: Option<f64>,
-    error_ratio: Option<f64>,
-    round_off_of_trajectory: Option<f64>,
-    ended_with: Option<&'a str>,
-    gauss_ended_with: Option<&'a str>,
-    seconds: f64,
-    seconds_gauss: f64,
-    seconds_all: f64,
-    verdict: &'a str,
-    notes: &'a [String],
-}
-
-impl<'a> From<&'a Row> for Document<'a> {
-    fn from(row: &'a Row) -> Self {
-        let m = &row.measured;
-        Document {
-            theme: row.theme,
-            name: &row.name,
-            stages: row.stages,
-            step: row.h,
-            h_omega: row.omega.map(|omega| omega * row.h),
-            precision: row.numbers,
-            steps_wanted: row.wanted,
-            steps: m.steps,
-            outcomes: m.outcomes.iter().copied().collect(),
-            energy_in_round_off_levels: m.levels,
-            energy_in_round_off_levels_by_double_double: m.independent_levels,
-            energy: m.energy,
-            energy_gauss: m.gauss_energy,
-            invariants: m
-                .invariants
-                .iter()
-                .map(|i| Quantity {
-                    name: &i.name,
-                    max_error: i.error,
-                    in_round_offs: i.in_roundoff,
-                })
-                .collect(),
-            error: m.error,
-            error_gauss: m.gauss_error,
-            error_ratio: m.ratio(),
-            round_off_of_trajectory: m.noise,
-            ended_with: m.ended.as_ref().map(|e| e.text.as_str()),
-            gauss_ended_with: m.gauss_ended.as_ref().map(|e| e.text.as_str()),
-            seconds: m.seconds,
-            seconds_gauss: m.gauss_seconds,
-            seconds_all: row.all_seconds,
-            verdict: row.verdict.word.label(),
-            notes: &row.verdict.notes,
+fn document<'a>(row: &'a Row<'_>) -> impl Serialize + 'a {
+    let (case, m) = (row.case, &row.measured);
+    let outcomes = m.equip.outcomes().map(|(o, n)| (o.label(), n));
+    let invariants = m.equip.invariants.iter();
+    let invariants = invariants.map(|kept| {
+        object! {
+            name: &kept.name,
+            max_error: kept.error,
+            in_round_offs: kept.in_roundoff,
         }
+    });
+    object! {
+        theme: case.theme,
+        name: &case.name,
+        stages: case.stages,
+        step: case.h,
+        h_omega: case.omega.map(|omega| omega * case.h),
+        precision: case.numbers.name(),
+        steps_wanted: case.steps,
+        steps: m.equip.counts.steps,
+        outcomes: outcomes.collect::<BTreeMap<_, _>>(),
+        energy_in_round_off_levels: m.equip.levels,
+        energy_in_round_off_levels_by_double_double: m.equip.independent_levels,
+        energy: m.equip.energy,
+        energy_gauss: m.gauss.energy,
+        invariants: invariants.collect::<Vec<_>>(),
+        error: m.error,
+        error_gauss: m.gauss_error,
+        error_ratio: m.ratio(),
+        round_off_of_trajectory: m.noise,
+        ended_with: m.equip.ended.as_ref().map(|e| &e.text),
+        gauss_ended_with: m.gauss.ended.as_ref().map(|e| &e.text),
+        seconds: m.equip.seconds,
+        seconds_gauss: m.gauss.seconds,
+        seconds_all: row.all_seconds,
+        verdict: row.verdict.word.label(),
+        notes: &row.verdict.notes,
     }
 }
 
 /// `{"version": …, "summary": …, "rows": […]}`.
-pub(crate) fn json(rows: &[Row], summary: &Summary) -> serde_json::Result<String> {
-    #[derive(Serialize)]
-    struct Whole<'a> {
-        version: &'static str,
-        summary: &'a Summary,
-        rows: Vec<Document<'a>>,
-    }
-    serde_json::to_string_pretty(&Whole {
+pub(crate) fn json(rows: &[Row<'_>], summary: &Summary) -> serde_json::Result<String> {
+    serde_json::to_string_pretty(&object! {
         version: env!("CARGO_PKG_VERSION"),
-        summary,
-        rows: rows.iter().map(Document::from).collect(),
+        summary: summary,
+        rows: rows.iter().map(document).collect::<Vec<_>>(),
     })
 }
 
@@ -103,44 +62,32 @@ const HEADER: &str = "theme,name,stages,step,h_omega,precision,steps_wanted,step
     energy_in_round_off_levels_by_double_double,energy,energy_gauss,worst_invariant,invariant_error,error,error_gauss,error_ratio,\
     round_off_of_trajectory,seconds,seconds_gauss,seconds_all,verdict,notes";
 
-/// One header line and one line a row.
-pub(crate) fn csv(rows: &[Row]) -> String {
+/// One header line and one line a row; members of [`json`] that are no lists have the same names.
+pub(crate) fn csv(rows: &[Row<'_>]) -> serde_json::Result<String> {
     let mut text = format!("{HEADER}\n");
     for row in rows {
-        let m = &row.measured;
-        let number = |x: Option<f64>| x.map_or(String::new(), cell);
-        let outcomes = m.outcomes.iter().map(|(label, n)| format!("{label}: {n}"));
-        let worst = m.worst_invariant();
-        let cells = [
-            quoted(row.theme),
-            quoted(&row.name),
-            row.stages.to_string(),
-            cell(row.h),
-            number(row.omega.map(|omega| omega * row.h)),
-            row.numbers.to_owned(),
-            row.wanted.to_string(),
-            m.steps.to_string(),
-            quoted(&outcomes.collect::<Vec<_>>().join("; ")),
-            number(m.levels),
-            number(m.independent_levels),
-            cell(m.energy),
-            cell(m.gauss_energy),
-            quoted(worst.map_or("", |i| &i.name)),
-            number(worst.map(|i| i.error)),
-            number(m.error),
-            number(m.gauss_error),
-            number(m.ratio()),
-            number(m.noise),
-            cell(m.seconds),
-            cell(m.gauss_seconds),
-            cell(row.all_seconds),
-            quoted(row.verdict.word.label()),
-            quoted(&row.verdict.notes.join("; ")),
-        ];
-        text.push_str(&cells.join(","));
+        let members = serde_json::to_value(document(row))?;
+        let outcomes = row.measured.equip.outcomes();
+        let outcomes: Vec<_> = outcomes
+            .map(|(o, n)| format!("{}: {n}", o.label()))
+            .collect();
+        let worst = row.measured.worst_invariant();
+        let cells = HEADER.split(',').map(|column| match column {
+            "precision" => row.case.numbers.name().to_owned(),
+            "outcomes" => quoted(&outcomes.join("; ")),
+            "worst_invariant" => quoted(worst.map_or("", |kept| &kept.name)),
+            "invariant_error" => worst.map_or(String::new(), |kept| cell(kept.error)),
+            "notes" => quoted(&row.verdict.notes.join("; ")),
+            _ => match &members[column] {
+                Value::String(text) => quoted(text),
+                Value::Number(count) if count.is_u64() => count.to_string(),
+                number => number.as_f64().map_or(String::new(), cell),
+            },
+        });
+        text.push_str(&cells.collect::<Vec<_>>().join(","));
         text.push('\n');
     }
-    text
+    Ok(text)
 }
 
 fn quoted(text: &str) -> String {
@@ -151,23 +98,20 @@ fn quoted(text: &str) -> String {
 mod tests {
     use super::{HEADER, csv, json};
     use crate::check::Summary;
+    use crate::check::case::Case;
     use crate::check::measure::Row;
     use crate::check::measured::Measured;
     use crate::check::verdict::Verdict;
 
-    fn rows() -> Vec<Row> {
-        vec![Row {
-            theme: "units",
-            name: "a \"name\", with a comma".into(),
-            setting: "s=4".into(),
-            stages: 4,
-            h: 0.1,
-            omega: None,
-            numbers: "f64",
-            wanted: 10,
+    fn case() -> Case {
+        Case::new("units", "a \"name\", with a comma", || Err("none".into()))
+    }
+
+    fn rows(case: &Case) -> [Row<'_>; 1] {
+        [Row {
+            case,
             measured: Measured {
                 error: Some(f64::INFINITY),
-                outcomes: vec![("energy solved", 10)],
                 ..Measured::default()
             },
             verdict: Verdict::failed("why, and \"how\"".into()),
@@ -177,7 +121,7 @@ mod tests {
 
     #[test]
     fn the_table_has_a_cell_for_every_column() {
-        let text = csv(&rows());
+        let text = csv(&rows(&case())).unwrap();
         let row = text.lines().nth(1).unwrap();
         let mut inside = false;
         let commas = row.chars().filter(|&c| {
@@ -190,7 +134,7 @@ mod tests {
 
     #[test]
     fn json_is_json_also_with_infinities() {
-        let text = json(&rows(), &Summary::default()).unwrap();
+        let text = json(&rows(&case()), &Summary::default()).unwrap();
         let value: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert!(value["rows"][0]["error"].is_null());
         assert_eq!(value["rows"][0]["verdict"], "FAIL");

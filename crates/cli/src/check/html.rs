@@ -24,12 +24,12 @@ const COLUMNS: [&str; 13] = [
     "verdict",
 ];
 
-pub(crate) fn document(rows: &[Row], summary: &Summary) -> String {
+pub(crate) fn document(rows: &[Row<'_>], summary: &Summary) -> String {
     let mut body = String::new();
     let mut theme = "";
     for row in rows {
-        if row.theme != theme {
-            theme = row.theme;
+        if row.case.theme != theme {
+            theme = row.case.theme;
             push(
                 &mut body,
                 format_args!(
@@ -66,7 +66,7 @@ fn push(text: &mut String, line: std::fmt::Arguments<'_>) {
     let _ = writeln!(text, "{line}");
 }
 
-fn line(row: &Row) -> String {
+fn line(row: &Row<'_>) -> String {
     let m = &row.measured;
     let class = match row.verdict.word {
         Word::Pass => "pass",
@@ -78,18 +78,13 @@ fn line(row: &Row) -> String {
     let number = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.1e}"));
     let plain = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.3}"));
     let cells = [
-        escape(&row.name),
-        escape(&row.setting),
-        m.steps.to_string(),
-        // A letter and its number stay together.
-        outcomes(row)
-            .iter()
-            .map(|(letter, n)| format!("{letter}&nbsp;{n}"))
-            .collect::<Vec<_>>()
-            .join(" "),
-        plain(row.levels()),
-        number(Some(m.energy)),
-        number(Some(m.gauss_energy)),
+        escape(&row.case.name),
+        escape(&row.case.setting()),
+        m.equip.counts.steps.to_string(),
+        outcomes(&m.equip, "&nbsp;"),
+        plain(m.levels()),
+        number(Some(m.equip.energy)),
+        number(Some(m.gauss.energy)),
         number(m.worst_invariant().map(|i| i.error)),
         number(m.error),
         number(m.gauss_error),

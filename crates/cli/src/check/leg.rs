@@ -87,8 +87,9 @@ pub(crate) struct Kept {
     pub(crate) in_roundoff: f64,
 }
 
-#[derive(Debug, Clone)]
-pub(crate) struct Leg<T> {
+/// The figures of a run, as doubles.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Leg {
     pub(crate) counts: Counts,
     /// Largest |H − H_ref|.
     pub(crate) energy: f64,
@@ -97,10 +98,20 @@ pub(crate) struct Leg<T> {
     /// The same with H evaluated in double-double; runs in f64 only.
     pub(crate) independent_levels: Option<f64>,
     pub(crate) invariants: Vec<Kept>,
-    pub(crate) samples: Samples<T>,
     pub(crate) ended: Option<Ended>,
+    /// Whether it was stopped for taking too long.
     pub(crate) impatient: bool,
     pub(crate) seconds: f64,
+}
+
+impl Leg {
+    /// Steps of each outcome that occurred, in the order of reports.
+    pub(crate) fn outcomes(&self) -> impl Iterator<Item = (Outcome, u64)> {
+        let all = Outcome::ALL
+            .into_iter()
+            .map(|o| (o, self.counts.outcome(o)));
+        all.filter(|(_, n)| *n > 0)
+    }
 }
 
 /// The value of H and of invariants, and how large the rounding of the state makes them.
@@ -188,7 +199,8 @@ impl Independent {
 
 /// Everything that sees the steps.
 struct Watch<T: Float> {
-    leg: Leg<T>,
+    leg: Leg,
+    samples: Samples<T>,
     watched: Vec<Watched<T>>,
     independent: Option<Independent>,
     y: Vec<T>,
@@ -204,17 +216,8 @@ impl<T: Float> Watch<T> {
         Watch {
             watched: watched.collect(),
             independent: None,
-            leg: Leg {
-                counts: Counts::default(),
-                energy: 0.0,
-                levels: None,
-                independent_levels: None,
-                invariants: Vec::new(),
-                samples,
-                ended: None,
-                impatient: false,
-                seconds: 0.0,
-            },
+            leg: Leg::default(),
+            samples,
             y,
         }
     }
@@ -225,7 +228,7 @@ impl<T: Float> Watch<T> {
             self.leg.energy = error;
         }
         if sample {
-            self.leg.samples.push(view.q, view.p);
+            self.samples.push(view.q, view.p);
             self.y.clear();
             self.y.extend_from_slice(view.q);
             self.y.extend_from_slice(view.p);
@@ -268,7 +271,7 @@ pub(crate) fn run<T: Float>(
     start: &State<T>,
     h: T,
     steps: u64,
-) -> Leg<T> {
+) -> (Leg, Samples<T>) {
     let begun = Instant::now();
     let (q, p) = start;
     let mut watch = Watch::new(problem, start);
@@ -278,7 +281,7 @@ pub(crate) fn run<T: Float>(
         Ok(stepper) => stepper,
         Err(error) => {
             watch.leg.ended = Some(ended(&error, T::int(0)));
-            return watch.leg;
+            return (watch.leg, watch.samples);
         }
     };
     let h_ref = stepper.certificate().energy.map(|energy| energy.start);
@@ -304,7 +307,7 @@ pub(crate) fn run<T: Float>(
     leg.counts = *stepper.counts();
     leg.invariants = watch.watched.iter().map(Watched::kept).collect();
     leg.seconds = begun.elapsed().as_secs_f64();
-    leg
+    (leg, watch.samples)
 }
 
 fn ended<T: Float>(error: &IntegrateError<T>, time: T) -> Ended {
@@ -321,12 +324,4 @@ fn ended<T: Float>(error: &IntegrateError<T>, time: T) -> Ended {
         text: error.to_string(),
         time: time.to_f64(),
     }
-}
-
-/// Steps of each outcome that occurred, in the order of reports.
-pub(crate) fn outcomes(counts: &Counts) -> impl Iterator<Item = (Outcome, u64)> {
-    Outcome::ALL
-        .into_iter()
-        .map(|o| (o, counts.outcome(o)))
-        .filter(|(_, n)| *n > 0)
 }

@@ -1,7 +1,7 @@
 //! [`Row`]: a case as it was measured.
 
 use super::case::{BuildFault, Case, Numbers, Reference, State, Trajectory};
-use super::leg::{Leg, outcomes, run};
+use super::leg::{Samples, run};
 use super::measured::Measured;
 use super::reference::{Cache, Truth, distance, truth};
 use super::verdict::{Verdict, judge};
@@ -11,16 +11,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
 /// A case, its figures and the verdict.
-#[derive(Debug)]
-pub(crate) struct Row {
-    pub(crate) theme: &'static str,
-    pub(crate) name: String,
-    pub(crate) setting: String,
-    pub(crate) stages: usize,
-    pub(crate) h: f64,
-    pub(crate) omega: Option<f64>,
-    pub(crate) numbers: &'static str,
-    pub(crate) wanted: u64,
+pub(crate) struct Row<'a> {
+    pub(crate) case: &'a Case,
     pub(crate) measured: Measured,
     pub(crate) verdict: Verdict,
     /// With building, Gauss and reference.
@@ -28,38 +20,23 @@ pub(crate) struct Row {
 }
 
 /// Runs a case; whatever happens in it ends in its row.
-pub(crate) fn row(case: &Case, cache: &Cache) -> Row {
+pub(crate) fn row<'a>(case: &'a Case, cache: &Cache) -> Row<'a> {
     let begun = Instant::now();
     let measure = || match case.numbers {
         Numbers::F64 => measure::<f64>(case, cache),
         Numbers::Dd => measure::<DoubleDouble>(case, cache),
     };
+    let failed = |reason| (Measured::default(), Verdict::failed(reason));
     let (measured, verdict) = match catch_unwind(AssertUnwindSafe(measure)) {
         Ok(Ok(measured)) => {
             let verdict = judge(&case.expect, case.steps, &measured);
             (measured, verdict)
         }
-        Ok(Err(fault)) => (
-            Measured::default(),
-            Verdict::failed(format!("the problem could not be built: {fault}")),
-        ),
-        Err(_) => (
-            Measured::default(),
-            Verdict::failed("the integrator panicked".to_owned()),
-        ),
+        Ok(Err(fault)) => failed(format!("the problem could not be built: {fault}")),
+        Err(_) => failed("the integrator panicked".to_owned()),
     };
     Row {
-        theme: case.theme,
-        name: case.name.clone(),
-        setting: case.setting(),
-        stages: case.stages,
-        h: case.h,
-        omega: case.omega,
-        numbers: match case.numbers {
-            Numbers::F64 => f64::NAME,
-            Numbers::Dd => DoubleDouble::NAME,
-        },
-        wanted: case.steps,
+        case,
         measured,
         verdict,
         all_seconds: begun.elapsed().as_secs_f64(),
@@ -69,53 +46,38 @@ pub(crate) fn row(case: &Case, cache: &Cache) -> Row {
 fn measure<T: Float>(case: &Case, cache: &Cache) -> Result<Measured, BuildFault> {
     let problem = (case.problem)()?;
     let start = problem.initial::<T>();
-    let h = T::exact(case.h);
-    let equip = run(Equip::stages(case.stages), &problem, &start, h, case.steps);
+    let run = |method, start: &State<T>| run(method, &problem, start, T::exact(case.h), case.steps);
+    let (equip, equip_samples) = run(Equip::stages(case.stages), &start);
     let method = Gauss::stages(case.stages);
-    let gauss = run(method, &problem, &start, h, case.steps);
+    let (gauss, gauss_samples) = run(method, &start);
     let truth = truth(case, &problem, &start, cache)?;
     let scaled = matches!(case.reference, Reference::Scaled { .. });
     // Errors are compared over the time both were there.
-    let both = equip.samples.len().min(gauss.samples.len());
-    let compare = |leg: &Leg<T>| {
-        let mut samples = leg.samples.clone();
-        if scaled {
-            samples = samples.in_own_units();
-        } else {
-            samples = samples.first(both);
-        }
-        Some(distance(case.judged, &samples, truth.as_ref()?))
+    let both = equip_samples.len().min(gauss_samples.len());
+    let compare = |samples: &Samples<T>| {
+        let samples = samples.clone();
+        let compared = match scaled {
+            true => samples.in_own_units(),
+            false => samples.first(both),
+        };
+        Some(distance(case.judged, &compared, truth.as_ref()?))
     };
+    let (error, gauss_error) = (compare(&equip_samples), compare(&gauss_samples));
     let judged_by_ratio = matches!(
         case.expect.trajectory,
         Trajectory::Resolved | Trajectory::Slow
     );
     let noise = (truth.is_some() && judged_by_ratio).then(|| {
-        let nudged = run(method, &problem, &nudge(&start), h, case.steps);
-        let from = 0;
-        let samples = gauss.samples.clone();
-        distance(case.judged, &nudged.samples, &Truth { from, samples })
+        let (_, nudged) = run(method, &nudge(&start));
+        let (from, samples) = (0, gauss_samples);
+        distance(case.judged, &nudged, &Truth { from, samples })
     });
     Ok(Measured {
-        steps: equip.counts.steps,
-        parts: equip.counts.steps + equip.counts.halvings,
-        uncorrected: equip.counts.uncorrected(),
-        outcomes: outcomes(&equip.counts)
-            .map(|(o, n)| (o.label(), n))
-            .collect(),
-        energy: equip.energy,
-        levels: equip.levels,
-        independent_levels: equip.independent_levels,
-        error: compare(&equip),
+        equip,
+        gauss,
+        error,
+        gauss_error: gauss_error.filter(|_| !scaled),
         noise,
-        gauss_error: compare(&gauss).filter(|_| !scaled),
-        gauss_energy: gauss.energy,
-        gauss_ended: gauss.ended,
-        invariants: equip.invariants,
-        ended: equip.ended,
-        impatient: equip.impatient,
-        seconds: equip.seconds,
-        gauss_seconds: gauss.seconds,
     })
 }
 

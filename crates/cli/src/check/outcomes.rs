@@ -1,37 +1,29 @@
 //! Figures of a row in few characters, and what they mean.
 
-use super::measure::Row;
+use super::leg::Leg;
+use equip_integrate::Outcome;
 
-impl Row {
-    /// The worse of the solver's and the independent figure.
-    pub(crate) fn levels(&self) -> Option<f64> {
-        let m = &self.measured;
-        match (m.levels, m.independent_levels) {
-            (Some(a), Some(b)) => Some(a.max(b)),
-            (a, b) => a.or(b),
-        }
-    }
-}
-
-/// Letters of the outcomes, as [`legend`] explains.
-fn letter(label: &str) -> &'static str {
-    match label {
-        "energy solved" => "S",
-        "at the round-off level" => "F",
-        "quadratic H, nothing to do" => "Q",
-        "energy not requested" => "N",
-        "uncorrected: no effect of α" => "C",
-        "uncorrected: α beyond its bound" => "B",
-        "uncorrected: end point changed too much" => "D",
-        "uncorrected: fast motion not resolved" => "U",
+/// The letter of an outcome, as [`LEGEND`] explains.
+fn letter(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Solved => "S",
+        Outcome::AtRoundOff => "F",
+        Outcome::Quadratic => "Q",
+        Outcome::NotRequested => "N",
+        Outcome::NoEffect => "C",
+        Outcome::BeyondBound => "B",
+        Outcome::TooFar => "D",
+        Outcome::Unresolved => "U",
         _ => "?",
     }
 }
 
-/// Steps by outcome: letters with their numbers.
-pub(crate) fn outcomes(row: &Row) -> Vec<(&'static str, u64)> {
-    let parts = row.measured.outcomes.iter();
-    parts.map(|(label, n)| (letter(label), *n)).collect()
+/// Steps by outcome, letters with their numbers; `gap` keeps a letter and its number together.
+pub(crate) fn outcomes(leg: &Leg, gap: &str) -> String {
+    let parts = leg
+        .outcomes()
+        .map(|(o, n)| format!("{}{gap}{n}", letter(o)));
+    parts.collect::<Vec<_>>().join(" ")
 }
 
 pub(crate) const LEGEND: &str = "outcomes: S energy solved, F at the round-off level, uncorrected \
@@ -49,8 +41,8 @@ mod tests {
     #[test]
     fn every_outcome_has_a_letter_and_every_letter_its_meaning() {
         for outcome in Outcome::ALL {
-            let letter = letter(outcome.label());
-            assert_ne!(letter, "?", "{}", outcome.label());
+            let letter = letter(outcome);
+            assert_ne!(letter, "?", "{outcome:?}");
             let (_, outcomes) = LEGEND.split_once("outcomes: ").unwrap_or_default();
             let outcomes = outcomes.lines().next().unwrap_or_default();
             let words = outcomes.split([' ', ',', ';']);

@@ -66,9 +66,8 @@ pub(crate) fn truth<T: Float>(
             let problem = problem()?;
             let method = Equip::stages(case.stages);
             let start = problem.initial();
-            run(method, &problem, &start, T::exact(*h), case.steps)
-                .samples
-                .in_own_units()
+            let (_, samples) = run(method, &problem, &start, T::exact(*h), case.steps);
+            samples.in_own_units()
         }
     };
     Ok(Some(Truth { from: 0, samples }))

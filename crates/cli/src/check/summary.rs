@@ -17,7 +17,7 @@ pub(crate) struct Summary {
 }
 
 impl Summary {
-    pub(crate) fn of(rows: &[Row], begun: Instant) -> Self {
+    pub(crate) fn of(rows: &[Row<'_>], begun: Instant) -> Self {
         let count = |word| rows.iter().filter(|r| r.verdict.word == word).count();
         Summary {
             rows: rows.len(),

@@ -27,35 +27,35 @@ pub(crate) fn head(out: &mut impl Write, theme: &str) -> io::Result<()> {
     )
 }
 
-pub(crate) fn line(out: &mut impl Write, row: &Row) -> io::Result<()> {
+pub(crate) fn line(out: &mut impl Write, row: &Row<'_>) -> io::Result<()> {
     let m = &row.measured;
     let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.1e}"));
     let plain = |x: Option<f64>| x.map_or("-".to_owned(), compact);
     writeln!(
         out,
         "{:<NAME$} {:<SETTING$} {:>8}  {:<16} {}",
-        row.name,
-        row.setting,
-        m.steps,
-        outcomes(row)
-            .iter()
-            .map(|(letter, n)| format!("{letter} {n}"))
-            .collect::<Vec<_>>()
-            .join(" "),
+        row.case.name,
+        row.case.setting(),
+        m.equip.counts.steps,
+        outcomes(&m.equip, " "),
         row.verdict.word.label(),
     )?;
     writeln!(
         out,
         "{INDENT}{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9.2}",
-        plain(row.levels()),
-        format!("{:.1e}", m.energy),
-        format!("{:.1e}", m.gauss_energy),
+        plain(m.levels()),
+        number(Some(m.equip.energy)),
+        number(Some(m.gauss.energy)),
         number(m.worst_invariant().map(|i| i.error)),
         number(m.error),
         number(m.gauss_error),
         plain(m.ratio()),
         row.all_seconds,
     )?;
+    notes(out, row)
+}
+
+fn notes(out: &mut impl Write, row: &Row<'_>) -> io::Result<()> {
     for note in &row.verdict.notes {
         writeln!(out, "{}", wrapped(INDENT, INDENT.len(), note))?;
     }
@@ -71,7 +71,7 @@ fn compact(x: f64) -> String {
     }
 }
 
-pub(crate) fn end(out: &mut impl Write, rows: &[Row], summary: &Summary) -> io::Result<()> {
+pub(crate) fn end(out: &mut impl Write, rows: &[Row<'_>], summary: &Summary) -> io::Result<()> {
     writeln!(out)?;
     for line in LEGEND.lines() {
         writeln!(out, "{}", wrapped("", 0, line))?;
@@ -81,7 +81,7 @@ pub(crate) fn end(out: &mut impl Write, rows: &[Row], summary: &Summary) -> io::
         .iter()
         .max_by(|a, b| a.all_seconds.total_cmp(&b.all_seconds));
     if let Some(row) = slowest {
-        let (name, setting) = (&row.name, &row.setting);
+        let (name, setting) = (&row.case.name, row.case.setting());
         writeln!(
             out,
             "slowest row: {name} {setting}, {:.1} s",
@@ -90,10 +90,9 @@ pub(crate) fn end(out: &mut impl Write, rows: &[Row], summary: &Summary) -> io::
     }
     for word in [Word::Fail, Word::KnownDeficit] {
         for row in rows.iter().filter(|r| r.verdict.word == word) {
-            writeln!(out, "{} {} {}", word.label(), row.name, row.setting)?;
-            for note in &row.verdict.notes {
-                writeln!(out, "{}", wrapped(INDENT, INDENT.len(), note))?;
-            }
+            let (name, setting) = (&row.case.name, row.case.setting());
+            writeln!(out, "{} {name} {setting}", word.label())?;
+            notes(out, row)?;
         }
     }
     writeln!(

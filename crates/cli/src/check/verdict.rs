@@ -16,7 +16,8 @@
 //!   in the last place does. A row whose definition has a larger figure, at which it was measured, is a
 //!   *known deficit* up to a quarter more than that.
 
-use super::case::{End, Expect, Trajectory};
+use super::case::{End, Expect, Kind, Trajectory};
+use super::leg::Leg;
 use super::measured::Measured;
 use crate::limits::{LEVELS, TRAJECTORY, UNCORRECTED};
 
@@ -67,187 +68,181 @@ impl Verdict {
 }
 
 pub(crate) fn judge(expect: &Expect, wanted: u64, measured: &Measured) -> Verdict {
-    let mut faults = Vec::new();
-    let mut notes = Vec::new();
-    let mut word = ending(expect, wanted, measured, &mut faults, &mut notes);
-    accounts(measured, &mut faults);
-    energy(measured, &mut faults);
-    invariants(measured, &mut faults);
-    if uncorrected(expect, measured, &mut faults, &mut notes) && word == Word::Pass {
-        word = Word::Explained;
-    }
-    if trajectory(expect, measured, &mut faults, &mut notes) {
-        word = Word::KnownDeficit;
-    }
-    if faults.is_empty() {
-        Verdict { word, notes }
-    } else {
-        Verdict {
-            word: Word::Fail,
-            notes: faults,
-        }
-    }
+    let mut judge = Judge {
+        expect,
+        wanted,
+        measured,
+        equip: &measured.equip,
+        word: Word::Pass,
+        faults: Vec::new(),
+        notes: Vec::new(),
+    };
+    judge.ending();
+    judge.accounts();
+    judge.energy();
+    judge.invariants();
+    judge.uncorrected();
+    judge.trajectory();
+    let (word, notes) = match judge.faults.is_empty() {
+        true => (judge.word, judge.notes),
+        false => (Word::Fail, judge.faults),
+    };
+    Verdict { word, notes }
 }
 
-fn ending(
-    expect: &Expect,
+/// A row on which judgement is passed: each criterion adds to its faults and notes.
+struct Judge<'a> {
+    expect: &'a Expect,
     wanted: u64,
-    measured: &Measured,
-    faults: &mut Vec<String>,
-    notes: &mut Vec<String>,
-) -> Word {
-    if measured.impatient {
-        faults.push(format!("too slow: {} of {wanted} steps", measured.steps));
+    measured: &'a Measured,
+    equip: &'a Leg,
+    word: Word,
+    faults: Vec<String>,
+    notes: Vec<String>,
+}
+
+impl Judge<'_> {
+    fn ending(&mut self) {
+        let (steps, wanted) = (self.equip.counts.steps, self.wanted);
+        if self.equip.impatient {
+            let text = format!("too slow: {steps} of {wanted} steps");
+            self.faults.push(text);
+        }
+        let Some(ended) = &self.equip.ended else {
+            if let End::Error(_, _, why) = self.expect.end {
+                self.faults.push(format!("no error, though {why}"));
+            }
+            if !self.equip.impatient && steps != wanted {
+                self.faults.push(format!("{steps} of {wanted} steps made"));
+            }
+            return;
+        };
+        let expected = match self.expect.end {
+            End::Complete => None,
+            End::Error(kinds, after, why) => Some((kinds, after, why)),
+            End::Either(kinds, why) => Some((kinds, 0.0, why)),
+        };
+        let text = format!("at t = {:.6}: {}", ended.time, ended.text);
+        let is_like = |kinds: &[Kind], after| kinds.contains(&ended.kind) && ended.time >= after;
+        let gauss = self.measured.gauss.ended.as_ref();
+        let note = if let Some((_, _, why)) = expected.filter(|e| is_like(e.0, e.1)) {
+            format!("{why}; {text}")
+        } else if let Some(gauss) = gauss.filter(|gauss| gauss.kind == ended.kind) {
+            format!("error {text}; Gauss ends alike at t = {:.6}", gauss.time)
+        } else {
+            return self.faults.push(format!("error {text}"));
+        };
+        self.notes.push(note);
+        self.word = Word::ExpectedError;
     }
-    let expected = match expect.end {
-        End::Complete => None,
-        End::Error(kinds, after, why) => Some((kinds, after, why)),
-        End::Either(kinds, why) => Some((kinds, 0.0, why)),
-    };
-    match (&measured.ended, expected) {
-        (None, None) => {}
-        (None, Some((_, _, why))) if matches!(expect.end, End::Error(..)) => {
-            faults.push(format!("no error, though {why}"));
+
+    fn accounts(&mut self) {
+        let sum: u64 = self.equip.outcomes().map(|(_, n)| n).sum();
+        let steps = self.equip.counts.steps;
+        if sum != steps {
+            self.faults
+                .push(format!("{sum} outcomes for {steps} steps"));
         }
-        (None, Some(_)) => {}
-        (Some(ended), Some((kinds, after, why)))
-            if kinds.contains(&ended.kind) && ended.time >= after =>
-        {
-            notes.push(format!("{why}; at t = {:.6}: {}", ended.time, ended.text));
-            return Word::ExpectedError;
+    }
+
+    fn energy(&mut self) {
+        // The rounding of the solver's own evaluation of H is up to one level.
+        let by_double_double = self.equip.independent_levels;
+        for (how, levels, most) in [
+            ("", self.equip.levels, LEVELS),
+            (" by double-double", by_double_double, LEVELS + 1.0),
+        ] {
+            if let Some(levels) = levels.filter(|levels| !(*levels <= most)) {
+                let text = format!("energy error of {levels:.3} round-off levels{how}");
+                self.faults.push(text);
+            }
         }
-        (Some(ended), _) => {
-            let text = format!("error at t = {:.6}: {}", ended.time, ended.text);
-            match &measured.gauss_ended {
-                Some(gauss) if gauss.kind == ended.kind => {
-                    let time = gauss.time;
-                    notes.push(format!("{text}; Gauss ends alike at t = {time:.6}"));
-                    return Word::ExpectedError;
+        if !self.equip.energy.is_finite() {
+            self.faults.push("the energy error is not a number".into());
+        }
+    }
+
+    fn invariants(&mut self) {
+        // Steps that were split count in parts.
+        let parts = self.equip.counts.steps + self.equip.counts.halvings;
+        let most = 8.0 + 2.0 * (parts as f64).sqrt();
+        for kept in &self.equip.invariants {
+            if !(kept.in_roundoff <= most) {
+                self.faults.push(format!(
+                    "{} off by {:.1e}, {:.3} round-offs where {most:.3} are allowed",
+                    kept.name, kept.error, kept.in_roundoff
+                ));
+            }
+        }
+    }
+
+    /// Uncorrected steps are explained if the energy is no worse for them than that of Gauss.
+    fn uncorrected(&mut self) {
+        let (count, steps) = (self.equip.counts.uncorrected(), self.equip.counts.steps);
+        if count == 0 {
+            return;
+        }
+        let (energy, gauss) = (self.equip.energy, self.measured.gauss.energy);
+        let text = format!(
+            "{count} steps uncorrected ({:.2} %), energy off by {energy:.1e}, by {gauss:.1e} with Gauss",
+            100.0 * (count as f64 / steps as f64)
+        );
+        // Where Gauss came to an end before, or neither follows the motion, there is nothing to compare with.
+        let is_open = matches!(self.expect.trajectory, Trajectory::Open(_));
+        if is_open || energy <= UNCORRECTED * gauss || self.measured.gauss.ended.is_some() {
+            self.notes.push(text);
+            if self.word == Word::Pass {
+                self.word = Word::Explained;
+            }
+        } else {
+            self.faults.push(text);
+        }
+    }
+
+    fn trajectory(&mut self) {
+        match self.expect.trajectory {
+            Trajectory::Resolved => self.compared("trajectory"),
+            Trajectory::Slow => self.compared("slow variables'"),
+            Trajectory::Within(most) => {
+                let error = self.measured.error.unwrap_or(f64::NAN);
+                if !(error <= most) {
+                    let text = format!("trajectory error {error:.1e}, {most:.1e} allowed");
+                    self.faults.push(text);
                 }
-                _ => faults.push(text),
             }
+            Trajectory::Open(why) => self.notes.push(why.to_owned()),
         }
     }
-    if measured.ended.is_none() && !measured.impatient && measured.steps != wanted {
-        faults.push(format!("{} of {wanted} steps made", measured.steps));
-    }
-    Word::Pass
-}
 
-fn accounts(measured: &Measured, faults: &mut Vec<String>) {
-    let sum: u64 = measured.outcomes.iter().map(|(_, n)| n).sum();
-    if sum != measured.steps {
-        faults.push(format!("{sum} outcomes for {} steps", measured.steps));
-    }
-}
-
-fn energy(measured: &Measured, faults: &mut Vec<String>) {
-    // The rounding of the solver's own evaluation of H is up to one level.
-    let figures = [
-        ("", measured.levels, LEVELS),
-        (
-            " by double-double",
-            measured.independent_levels,
-            LEVELS + 1.0,
-        ),
-    ];
-    for (how, levels, most) in figures {
-        if let Some(levels) = levels
-            && !(levels <= most)
-        {
-            faults.push(format!("energy error of {levels:.3} round-off levels{how}"));
+    /// The error of `what` against that of Gauss; a known deficit is noted.
+    fn compared(&mut self, what: &str) {
+        let round_off = NOISE * self.measured.noise.unwrap_or(0.0);
+        let (Some(error), Some(gauss)) = (self.measured.error, self.measured.gauss_error) else {
+            return;
+        };
+        if error <= TRAJECTORY * gauss + round_off {
+            return;
         }
-    }
-    if !measured.energy.is_finite() {
-        faults.push("the energy error is not a number".to_owned());
-    }
-}
-
-fn invariants(measured: &Measured, faults: &mut Vec<String>) {
-    let most = 8.0 + 2.0 * (measured.parts as f64).sqrt();
-    for kept in &measured.invariants {
-        if !(kept.in_roundoff <= most) {
-            faults.push(format!(
-                "{} off by {:.1e}, {:.3} round-offs where {most:.3} are allowed",
-                kept.name, kept.error, kept.in_roundoff
-            ));
-        }
-    }
-}
-
-/// Whether steps were uncorrected and the energy is no worse for it than that of Gauss.
-fn uncorrected(
-    expect: &Expect,
-    measured: &Measured,
-    faults: &mut Vec<String>,
-    notes: &mut Vec<String>,
-) -> bool {
-    if measured.uncorrected == 0 {
-        return false;
-    }
-    let share = measured.uncorrected as f64 / measured.steps as f64;
-    let (energy, gauss) = (measured.energy, measured.gauss_energy);
-    let text = format!(
-        "{} steps uncorrected ({:.2} %), energy off by {energy:.1e}, by {gauss:.1e} with Gauss",
-        measured.uncorrected,
-        100.0 * share
-    );
-    // Where Gauss came to an end before, or neither follows the motion, there is nothing to compare with.
-    let is_open = matches!(expect.trajectory, Trajectory::Open(_));
-    if is_open || energy <= UNCORRECTED * gauss || measured.gauss_ended.is_some() {
-        notes.push(text);
-        true
-    } else {
-        faults.push(text);
-        false
-    }
-}
-
-/// Whether the trajectory error is a known deficit.
-fn trajectory(
-    expect: &Expect,
-    measured: &Measured,
-    faults: &mut Vec<String>,
-    notes: &mut Vec<String>,
-) -> bool {
-    let round_off = NOISE * measured.noise.unwrap_or(0.0);
-    let mut is_known = false;
-    let mut limit = |what: &str| {
-        if let (Some(error), Some(gauss)) = (measured.error, measured.gauss_error)
-            && !(error <= TRAJECTORY * gauss + round_off)
-        {
-            let ratio = measured.ratio().unwrap_or(0.0);
-            let text = format!("{what} error {ratio:.3} times that of Gauss, {TRAJECTORY} allowed");
-            match expect.deficit {
-                Some(known) if ratio <= DEFICIT * known => {
-                    is_known = true;
-                    notes.push(format!("{text}; {known} is known"));
-                }
-                Some(known) => faults.push(format!("{text}; {known} is known")),
-                None => faults.push(text),
+        let ratio = self.measured.ratio().unwrap_or(0.0);
+        let text = format!("{what} error {ratio:.3} times that of Gauss, {TRAJECTORY} allowed");
+        match self.expect.deficit {
+            Some(known) if ratio <= DEFICIT * known => {
+                self.word = Word::KnownDeficit;
+                self.notes.push(format!("{text}; {known} is known"));
             }
+            Some(known) => self.faults.push(format!("{text}; {known} is known")),
+            None => self.faults.push(text),
         }
-    };
-    match expect.trajectory {
-        Trajectory::Resolved => limit("trajectory"),
-        Trajectory::Slow => limit("slow variables'"),
-        Trajectory::Within(most) => {
-            if !measured.error.is_some_and(|error| error <= most) {
-                let error = measured.error.unwrap_or(f64::NAN);
-                faults.push(format!("trajectory error {error:.1e}, {most:.1e} allowed"));
-            }
-        }
-        Trajectory::Open(why) => notes.push(why.to_owned()),
     }
-    is_known
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::case::{End, Expect, Kind, Trajectory};
-    use super::super::leg::{Ended, Kept};
+    use super::super::leg::{Ended, Kept, Leg};
     use super::super::measured::Measured;
     use super::{DEFICIT, LEVELS, TRAJECTORY, UNCORRECTED, Word, judge};
+    use equip_integrate::{Counts, Outcome};
 
     const EXPECT: Expect = Expect {
         end: End::Complete,
@@ -255,18 +250,34 @@ mod tests {
         deficit: None,
     };
 
+    fn counts(solved: u64, uncorrected: u64) -> Counts {
+        let mut counts = Counts::default();
+        (0..solved).for_each(|_| counts.record(Outcome::Solved));
+        (0..uncorrected).for_each(|_| counts.record(Outcome::TooFar));
+        counts
+    }
+
+    fn ended(kind: Kind, time: f64) -> Option<Ended> {
+        let text = String::new();
+        Some(Ended { kind, text, time })
+    }
+
     fn good() -> Measured {
         Measured {
-            steps: 100,
-            outcomes: vec![("energy solved", 100)],
-            levels: Some(1.0),
-            independent_levels: Some(2.0),
-            energy: 1e-16,
-            gauss_energy: 1e-9,
+            equip: Leg {
+                counts: counts(100, 0),
+                levels: Some(1.0),
+                independent_levels: Some(2.0),
+                energy: 1e-16,
+                ..Leg::default()
+            },
+            gauss: Leg {
+                energy: 1e-9,
+                ..Leg::default()
+            },
             error: Some(1e-6),
             gauss_error: Some(2e-6),
             noise: Some(1e-15),
-            ..Measured::default()
         }
     }
 
@@ -282,30 +293,27 @@ mod tests {
     #[test]
     fn every_criterion_fails_a_row() {
         let broken: [fn(&mut Measured); 12] = [
-            |m| m.steps = 99,
-            |m| m.outcomes = vec![("energy solved", 99)],
-            |m| m.levels = Some(1.01 * LEVELS),
-            |m| m.levels = Some(f64::NAN),
-            |m| m.independent_levels = Some(1.01 * (LEVELS + 1.0)),
-            |m| m.energy = f64::NAN,
-            |m| (m.uncorrected, m.energy) = (1, 1.01 * UNCORRECTED * m.gauss_energy),
+            |m| m.equip.counts = counts(99, 0),
+            |m| (m.equip.counts, m.equip.counts.steps) = (counts(99, 0), 100),
+            |m| m.equip.levels = Some(1.01 * LEVELS),
+            |m| m.equip.levels = Some(f64::NAN),
+            |m| m.equip.independent_levels = Some(1.01 * (LEVELS + 1.0)),
+            |m| m.equip.energy = f64::NAN,
+            |m| {
+                m.equip.counts = counts(99, 1);
+                m.equip.energy = 1.01 * UNCORRECTED * m.gauss.energy;
+            },
             |m| m.error = Some(1.01 * TRAJECTORY * 2e-6),
             |m| m.error = Some(f64::INFINITY),
-            |m| m.impatient = true,
+            |m| m.equip.impatient = true,
             |m| {
-                m.invariants = vec![Kept {
+                m.equip.invariants = vec![Kept {
                     name: "L".into(),
                     error: 1e-14,
                     in_roundoff: 29.0,
                 }];
             },
-            |m| {
-                m.ended = Some(Ended {
-                    kind: Kind::NotFinite,
-                    text: "NaN".into(),
-                    time: 1.0,
-                });
-            },
+            |m| m.equip.ended = ended(Kind::NotFinite, 1.0),
         ];
         for (i, break_it) in broken.iter().enumerate() {
             let mut measured = good();
@@ -327,39 +335,29 @@ mod tests {
             (Kind::NotFinite, 0.1, Word::Fail),
             (Kind::Singular, 1.0, Word::Fail),
         ] {
-            measured.ended = Some(Ended {
-                kind,
-                text: String::new(),
-                time,
-            });
+            measured.equip.ended = ended(kind, time);
             assert_eq!(word(expect, &measured), word_expected);
         }
     }
 
     #[test]
     fn an_error_that_gauss_has_too_is_expected() {
-        let ended = |kind| {
-            Some(Ended {
-                kind,
-                text: String::new(),
-                time: 1.0,
-            })
-        };
+        let ended = |kind| ended(kind, 1.0);
         let mut measured = good();
-        measured.ended = ended(Kind::NoConvergence);
+        measured.equip.ended = ended(Kind::NoConvergence);
         assert_eq!(word(EXPECT, &measured), Word::Fail);
-        measured.gauss_ended = ended(Kind::NotFinite);
+        measured.gauss.ended = ended(Kind::NotFinite);
         assert_eq!(word(EXPECT, &measured), Word::Fail);
-        measured.gauss_ended = ended(Kind::NoConvergence);
+        measured.gauss.ended = ended(Kind::NoConvergence);
         assert_eq!(word(EXPECT, &measured), Word::ExpectedError);
     }
 
     #[test]
     fn carried_steps_are_explained_as_long_as_the_energy_is_that_of_gauss() {
         let mut measured = good();
-        measured.uncorrected = 10;
+        measured.equip.counts = counts(90, 10);
         for (part, expected) in [(0.99, Word::Explained), (1.01, Word::Fail)] {
-            measured.energy = part * UNCORRECTED * measured.gauss_energy;
+            measured.equip.energy = part * UNCORRECTED * measured.gauss.energy;
             assert_eq!(word(EXPECT, &measured), expected);
         }
     }
@@ -385,7 +383,7 @@ mod tests {
         measured.error = Some(known * 2e-6);
         let verdict = judge(&expect, 100, &measured);
         assert!(verdict.notes[0].contains("30 is known"), "{verdict:?}");
-        measured.levels = Some(1.01 * LEVELS);
+        measured.equip.levels = Some(1.01 * LEVELS);
         assert_eq!(word(expect, &measured), Word::Fail);
     }
 

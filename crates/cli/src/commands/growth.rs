@@ -83,41 +83,34 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
     let scene = equip_scenes::find("kepler")?;
     // All lists are read before the first run.
     let orbits = (args.eccentricities.iter())
-        .map(|e| Ok((e, scene.instance(&[("e", e)])?)))
+        .map(|e| Ok(scene.instance(&[("e", e)])?))
         .collect::<Result<Vec<_>, Fault>>()?;
     let tolerances = (args.tolerances.iter())
         .map(|text| Ok((text, number::<f64>("--tolerances", text)?)))
         .collect::<Result<Vec<_>, Fault>>()?;
     if tolerances.len() > DASHES.len() {
-        return Err(Fault::Option {
-            option: "--tolerances",
-            value: format!("a list of {}", tolerances.len()),
-            expected: "at most 6, which can be told apart in the picture",
-        });
+        let value = format!("a list of {}", tolerances.len());
+        let expected = "at most 6, which can be told apart in the picture";
+        return Err(Fault::option("--tolerances", value, expected));
     }
     apart(&[("--plot", Some(&args.plot)), ("--csv", args.csv.as_deref())])?;
-    let methods = [
-        (true, Equip::stages(args.stages)),
-        (false, Gauss::stages(args.stages)),
-    ];
-    for (_, method) in methods {
+    for is_equip in [true, false] {
         for &(text, tolerance) in &tolerances {
+            let method = method(is_equip, args.stages);
             accepted(method, text, tolerance, &orbits)?;
         }
     }
     let mut drawing = Drawing::new(&args.plot, args.csv.as_deref())?;
-    let bar = steps_of("runs", orbits.len() * tolerances.len() * methods.len());
+    let bar = steps_of("runs", 2 * orbits.len() * tolerances.len());
     let mut curves = Vec::new();
     let mut out = stdout().lock();
     writeln!(out, "{}", header(args.revolutions))?;
-    for (eccentricity, instance) in &orbits {
-        for (text, tolerance) in &tolerances {
-            for (is_equip, method) in methods {
-                let mut curve = follow(instance, method, *tolerance, args.revolutions)?;
+    for eccentricity in &args.eccentricities {
+        for tolerance in &args.tolerances {
+            for is_equip in [true, false] {
+                let method = (is_equip, args.stages);
+                let curve = follow(eccentricity, method, tolerance, args.revolutions)?;
                 drawing.create()?;
-                curve.eccentricity.clone_from(eccentricity);
-                curve.tolerance.clone_from(text);
-                curve.is_equip = is_equip;
                 bar.suspend(|| writeln!(out, "{}", row(&curve)).and_then(|()| out.flush()))?;
                 bar.inc(1);
                 curves.push(curve);
@@ -134,13 +127,8 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
 }
 
 /// Whether the library takes the method and the tolerance.
-fn accepted(
-    method: Method,
-    text: &str,
-    tolerance: f64,
-    orbits: &[(&String, Instance)],
-) -> Result<(), Fault> {
-    let Some((_, orbit)) = orbits.first() else {
+fn accepted(method: Method, text: &str, tolerance: f64, orbits: &[Instance]) -> Result<(), Fault> {
+    let Some(orbit) = orbits.first() else {
         return Ok(());
     };
     let made = method.tolerance(tolerance).prepare(orbit.hamiltonian());
@@ -149,11 +137,7 @@ fn accepted(
             option: "tolerance",
             expected,
             ..
-        } => Fault::Option {
-            option: "--tolerances",
-            value: text.to_owned(),
-            expected,
-        },
+        } => Fault::option("--tolerances", text, expected),
         other => Fault::start(other),
     })
 }
@@ -169,13 +153,22 @@ fn numbers(last: u64) -> Vec<u64> {
     numbers
 }
 
+/// EQUIP or Gauss.
+fn method(is_equip: bool, stages: usize) -> Method {
+    match is_equip {
+        true => Equip::stages(stages),
+        false => Gauss::stages(stages),
+    }
+}
+
 /// One run, with its errors and energy errors on the way.
 pub(crate) fn follow(
-    instance: &Instance,
-    method: Method,
-    tolerance: f64,
+    eccentricity: &str,
+    (is_equip, stages): (bool, usize),
+    tolerance: &str,
     last: u64,
 ) -> Result<Curve, Fault> {
+    let instance = equip_scenes::find("kepler")?.instance(&[("e", eccentricity)])?;
     let (q, p) = instance.initial::<f64>();
     let period: f64 = instance.period();
     let numbers = numbers(last);
@@ -191,8 +184,8 @@ pub(crate) fn follow(
         ControlFlow::Continue(())
     };
     let begun = ThreadTime::now();
-    let run = method
-        .tolerance(tolerance)
+    let run = method(is_equip, stages)
+        .tolerance(number::<f64>("--tolerances", tolerance)?)
         .record(Record::Ends)
         .output_at(&times)
         .integrate_observed(instance.hamiltonian(), &q, &p, 0.0..=end, &mut see)
@@ -207,9 +200,9 @@ pub(crate) fn follow(
     let certificate = run.certificate().clone();
     let start = certificate.energy.as_ref().map_or(1.0, |e| e.start.abs());
     Ok(Curve {
-        eccentricity: String::new(),
-        tolerance: String::new(),
-        is_equip: false,
+        eccentricity: eccentricity.to_owned(),
+        tolerance: tolerance.to_owned(),
+        is_equip,
         points: numbers.into_iter().zip(run.outputs().map(error)).collect(),
         energies: energies.into_iter().map(|energy| energy / start).collect(),
         revolutions: last as f64 + 0.3,

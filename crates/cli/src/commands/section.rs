@@ -29,21 +29,13 @@ type Crossings = Vec<(f64, f64)>;
 pub(crate) fn section(args: &SectionArgs) -> Result<(), Fault> {
     let scene = equip_scenes::find(&args.scene)?;
     if scene.name != SCENE {
-        return Err(Fault::Option {
-            option: "SCENE",
-            value: scene.name.to_owned(),
-            expected: SCENE,
-        });
+        return Err(Fault::option("SCENE", scene.name, SCENE));
     }
     let energy: f64 = number("--energy", &args.energy)?;
     let tolerance: f64 = number("--tolerance", &args.tolerance)?;
     let end: f64 = number("--until", &args.until)?;
     if !end.is_finite() {
-        return Err(Fault::Option {
-            option: "--until",
-            value: args.until.clone(),
-            expected: "finite",
-        });
+        return Err(Fault::option("--until", &args.until, "finite"));
     }
     apart(&[("--plot", Some(&args.plot)), ("--csv", args.csv.as_deref())])?;
     let mut drawing = Drawing::new(&args.plot, args.csv.as_deref())?;

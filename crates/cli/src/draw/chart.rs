@@ -1,7 +1,7 @@
 //! Charts: lines through marks on logarithmic axes, in panels with one legend.
 
 use crate::draw::figure::{Figure, Look};
-use crate::draw::panel::{Axis, Panel};
+use crate::draw::panel::{self, Axis, Panel};
 use crate::draw::svg::{Anchor, FAINT, Svg};
 
 /// Radius of the marks.
@@ -82,19 +82,22 @@ pub(crate) fn chart(title: &str, facts: &str, plots: &[Plot], lines: &[Line]) ->
             let spots = lines.iter().flat_map(move |line| shown(line, k));
             spots.map(|spot| of(&spot)).chain(round_off)
         });
-        values.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| {
-            (low.min(x), high.max(x))
-        })
+        panel::range(values)
     };
     let panel = |k: usize| -> Svg {
         let plot = &plots[k];
-        let (low, high) = range(&|other| other.x == plot.x, |p| p.x, false);
-        let x = axis((low, high), MARGIN.0, &plot.x);
+        let x = range(&|other| other.x == plot.x, |p| p.x, false);
         let y = range(&|other| other.y == plot.y, |p| p.y, true);
-        let mut panel = Panel::new(x, axis(y, MARGIN.1, &plot.y));
+        let mut panel = Panel::new(
+            Axis::powers(x, MARGIN.0, &plot.x),
+            Axis::powers(y, MARGIN.1, &plot.y),
+        );
         panel.round_off = plot.round_off;
         let mut svg = panel.svg(&plot.heading);
-        if plot.has_derivatives && high > low {
+        if let Some((low, high)) = x
+            && plot.has_derivatives
+            && high > low
+        {
             slopes(&mut svg, &panel, high);
         }
         for line in lines {
@@ -141,13 +144,5 @@ fn slopes(svg: &mut Svg, panel: &Panel, last: f64) {
         svg.line(panel.at(from), panel.at(to), FAINT, 1.0);
         let (x, y) = panel.at(to);
         svg.text((x + 4.0, y + 4.0), 12, Anchor::Start, FAINT, label);
-    }
-}
-
-fn axis((low, high): (f64, f64), margin: f64, label: &str) -> Axis {
-    if high > 0.0 {
-        Axis::powers(low, high, margin, label)
-    } else {
-        Axis::powers(0.1, 1.0, margin, label)
     }
 }

@@ -35,15 +35,19 @@ pub(crate) fn page(title: &str, body: &str) -> String {
 }
 
 /// A table of heads and rows of cells that are escaped already.
-pub(crate) fn table(class: &str, heads: &[impl AsRef<str>], rows: &[Vec<String>]) -> String {
+pub(crate) fn table(
+    class: &str,
+    heads: &[impl AsRef<str>],
+    rows: impl Iterator<Item = Vec<String>>,
+) -> String {
     let heads: String = (heads.iter())
         .map(|head| format!("<th>{}</th>", head.as_ref()))
         .collect();
-    let row = |cells: &Vec<String>| {
+    let row = |cells: Vec<String>| {
         let cells: String = cells.iter().map(|c| format!("<td>{c}</td>")).collect();
         format!("<tr>{cells}</tr>\n")
     };
-    let rows: String = rows.iter().map(row).collect();
+    let rows: String = rows.map(row).collect();
     format!(
         "<div class=\"wide\"><table class=\"{class}\"><thead><tr>{heads}</tr></thead><tbody>\n{rows}</tbody></table></div>\n"
     )

@@ -7,6 +7,14 @@ pub(crate) const CELL: (f64, f64) = (450.0, 360.0);
 /// Room around the frame: left, top, right, below.
 const ROOM: (f64, f64, f64, f64) = (84.0, 34.0, 24.0, 62.0);
 
+/// The smallest and the largest value.
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.fold(None, |range, x| {
+        let (low, high) = range.unwrap_or((x, x));
+        Some((low.min(x), high.max(x)))
+    })
+}
+
 /// An axis from `low` to `high`; a logarithmic one holds decimal logarithms.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Axis {
@@ -19,11 +27,7 @@ pub(crate) struct Axis {
 impl Axis {
     /// From the smallest to the largest finite value, and a little more on either side.
     pub(crate) fn around(values: impl Iterator<Item = f64>, label: &str) -> Self {
-        let finite = values.filter(|x| x.is_finite());
-        let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-            (l.min(x), h.max(x))
-        });
-        let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
+        let (low, high) = range(values.filter(|x| x.is_finite())).unwrap_or((0.0, 1.0));
         let margin = if high > low { 0.04 * (high - low) } else { 1.0 };
         Axis {
             low: low - margin,
@@ -44,9 +48,10 @@ impl Axis {
         }
     }
 
-    /// Logarithmic, from `margin` decades below `low` to as many above `high`, both positive; a decade and a
+    /// Logarithmic, from `margin` decades below the range to as many above it, both positive; a decade and a
     /// half at least.
-    pub(crate) fn powers(low: f64, high: f64, margin: f64, label: &str) -> Self {
+    pub(crate) fn powers(range: Option<(f64, f64)>, margin: f64, label: &str) -> Self {
+        let (low, high) = range.unwrap_or((0.1, 1.0));
         let (low, high) = (low.log10() - margin, high.log10() + margin);
         let more = (0.75 - (high - low) / 2.0).max(0.0);
         Axis {
@@ -292,7 +297,7 @@ mod tests {
             (unit, ticks.collect::<Vec<_>>()),
             (1.0, vec![-1.0, 0.0, 1.0, 2.0])
         );
-        let axis = Axis::powers(3e-16, 2e-3, 0.25, "");
+        let axis = Axis::powers(Some((3e-16, 2e-3)), 0.25, "");
         let (unit, ticks) = axis.ticks(7.0);
         assert_eq!(
             (unit, ticks.collect::<Vec<_>>()),
@@ -317,7 +322,7 @@ mod tests {
     #[test]
     fn a_power_of_ten_is_always_within() {
         for (low, high) in [(2.0, 3.0), (5.0, 5.0), (0.3, 40.0), (1e-17, 1e-16)] {
-            let axis = Axis::powers(low, high, 0.1, "");
+            let axis = Axis::powers(Some((low, high)), 0.1, "");
             let (_, ticks) = axis.ticks(5.0);
             assert!(ticks.count() > 0, "{axis:?}");
             assert!(

@@ -3,7 +3,7 @@
 use crate::fault::Fault;
 use equip_autodiff::Evaluator;
 use equip_integrate::{Alphas, Equip, Gauss, Method, Observer, Reach, Record, StepView};
-use equip_scalar::{Constant, DoubleDouble, Float, ratio};
+use equip_scalar::{DoubleDouble, Float, ratio};
 use equip_scenes::Instance;
 use serde::Serialize;
 use std::ops::ControlFlow;
@@ -38,15 +38,10 @@ impl Member {
     pub(super) fn method(self, stages: usize) -> Method {
         match self {
             Member::Gauss => Gauss::stages(stages),
-            Member::Fixed => fixed(stages, ratio(1, 50)),
+            Member::Fixed => Method::fixed_alpha(stages, ratio(1, 50)),
             Member::Solved => Equip::stages(stages).alphas(Alphas::Last),
         }
     }
-}
-
-/// The method with this α.
-pub(super) fn fixed(stages: usize, alpha: Constant) -> Method {
-    Method::fixed_alpha(stages, alpha)
 }
 
 /// One method with one number of stages.
@@ -66,6 +61,12 @@ impl Convergence {
     /// From the last two numbers of steps.
     pub(super) fn order(&self) -> f64 {
         (self.errors[1] / self.errors[2]).log2()
+    }
+
+    /// Errors and order, as the tables have them.
+    pub(super) fn cells(&self) -> [String; 4] {
+        let [a, b, c] = self.errors.map(|error| format!("{error:.3e}"));
+        [a, b, c, format!("{:.2}", self.order())]
     }
 }
 
@@ -93,7 +94,7 @@ pub(super) fn measure(instance: &Instance) -> Result<Vec<Convergence>, Fault> {
 }
 
 /// Figures of one run.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize)]
 pub(super) struct Figures {
     /// Largest error of a component of (q, p) at the end, a whole number of periods after the start.
     pub(super) error: f64,
@@ -101,6 +102,7 @@ pub(super) struct Figures {
     pub(super) energy: f64,
     pub(super) momentum: f64,
     /// Largest |α_{s−1}| of a step.
+    #[serde(skip)]
     pub(super) alpha: f64,
     /// Largest |ΔH| of each period.
     pub(super) energies: Vec<f64>,

@@ -1,6 +1,6 @@
 //! 1000 periods of Kepler's problem, 200 steps each: the energy along them.
 
-use super::convergence::{Member, run};
+use super::convergence::{Figures, Member, run};
 use crate::fault::Fault;
 use equip_scenes::Instance;
 use serde::Serialize;
@@ -15,13 +15,25 @@ const STAGES: [usize; 2] = [2, 3];
 pub(super) struct Orbit {
     pub(super) stages: usize,
     pub(super) method: Member,
-    /// At the end.
-    pub(super) error: f64,
-    /// Largest |ΔH| and |ΔL|.
-    pub(super) energy: f64,
-    pub(super) momentum: f64,
-    /// Largest |ΔH| of each period.
-    pub(super) energies: Vec<f64>,
+    #[serde(flatten)]
+    pub(super) figures: Figures,
+}
+
+impl Orbit {
+    /// Errors at the end, of the energy and of the angular momentum, as the tables have them.
+    pub(super) fn cells(&self) -> [String; 3] {
+        let Figures {
+            error,
+            energy,
+            momentum,
+            ..
+        } = &self.figures;
+        [
+            format!("{error:.2e}"),
+            format!("{energy:.1e}"),
+            format!("{momentum:.1e}"),
+        ]
+    }
 }
 
 pub(super) fn measure(instance: &Instance) -> Result<Vec<Orbit>, Fault> {
@@ -32,10 +44,7 @@ pub(super) fn measure(instance: &Instance) -> Result<Vec<Orbit>, Fault> {
             all.push(Orbit {
                 stages,
                 method,
-                error: figures.error,
-                energy: figures.energy,
-                momentum: figures.momentum,
-                energies: figures.energies,
+                figures,
             });
         }
     }

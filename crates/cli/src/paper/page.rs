@@ -17,40 +17,27 @@ pub(super) fn document(paper: &Paper) -> String {
         vec![statement, stated, measured, holds]
     };
     let error = |row: &Convergence| {
-        let [a, b, c] = row.errors.map(|error| format!("{error:.3e}"));
-        let name = escape(row.method.name());
-        vec![
-            name,
-            row.stages.to_string(),
-            a,
-            b,
-            c,
-            format!("{:.2}", row.order()),
-        ]
+        let method = [escape(row.method.name()), row.stages.to_string()];
+        [&method[..], &row.cells()].concat()
     };
     let orbit = |orbit: &Orbit| {
-        vec![
-            escape(orbit.method.name()),
-            orbit.stages.to_string(),
-            format!("{:.2e}", orbit.error),
-            format!("{:.1e}", orbit.energy),
-            format!("{:.1e}", orbit.momentum),
-        ]
+        let method = [escape(orbit.method.name()), orbit.stages.to_string()];
+        [&method[..], &orbit.cells()].concat()
     };
     let statements = table(
         "",
         &["statement", "stated", "measured", "holds"],
-        &paper.statements.iter().map(statement).collect::<Vec<_>>(),
+        paper.statements.iter().map(statement),
     );
     let errors = table(
         "numbers",
         &["method", "s", "80 steps a period", "160", "320", "order"],
-        &paper.convergence.iter().map(error).collect::<Vec<_>>(),
+        paper.convergence.iter().map(error),
     );
     let orbits = table(
         "numbers",
         &["method", "s", "error at the end", "max |ΔH|", "max |ΔL|"],
-        &paper.orbits.iter().map(orbit).collect::<Vec<_>>(),
+        paper.orbits.iter().map(orbit),
     );
     let body = format!(
         "<h1>The paper’s statements, measured</h1>\n\

@@ -62,7 +62,7 @@ pub(super) fn convergence(rows: &[Convergence]) -> Figure {
 /// Energy errors over 1000 periods; H₀ = −1/2.
 pub(super) fn energy(orbits: &[Orbit]) -> Figure {
     let spots = |orbit: &Orbit| -> Vec<Spot> {
-        let each = orbit.energies.iter().enumerate();
+        let each = orbit.figures.energies.iter().enumerate();
         // On a logarithmic axis, about as many marks in every decade.
         let part = |n: usize| (8.0 * (n as f64).log10()).floor() as i64;
         let each = each.filter(|(k, _)| *k == 0 || part(k + 1) > part(*k));

@@ -1,9 +1,9 @@
 //! g(α, h) = H(y1(α, h)) − H(y0) of one step from the pericentre, two stages, in double-double; and where it
 //! vanishes.
 
-use super::convergence::{STEPS, fixed};
+use super::convergence::STEPS;
 use crate::fault::Fault;
-use equip_integrate::Record;
+use equip_integrate::{Method, Record};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
 use serde::Serialize;
@@ -82,7 +82,7 @@ fn curve(instance: &Instance, steps: u32) -> Result<Curve, Fault> {
 /// The energy error of one step.
 fn g(instance: &Instance, h: DoubleDouble, alpha: DoubleDouble) -> Result<DoubleDouble, Fault> {
     let (q, p) = instance.initial::<DoubleDouble>();
-    let method = fixed(STAGES, Constant::from_expansion(alpha.expansion()));
+    let method = Method::fixed_alpha(STAGES, Constant::from_expansion(alpha.expansion()));
     let run = (method.step(h).record(Record::Ends))
         .integrate(instance.hamiltonian(), &q, &p, DoubleDouble::int(0)..=h)
         .map_err(|failure| Fault::start(failure.error))?;

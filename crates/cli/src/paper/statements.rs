@@ -89,8 +89,10 @@ pub(super) fn statements(
         let gauss = orbits
             .iter()
             .find(|o| o.method == Member::Gauss && o.stages == orbit.stages);
-        let (error, energy) = gauss.map_or((f64::NAN, f64::NAN), |o| (o.error, o.energy));
-        let s = orbit.stages;
+        let (error, energy) = gauss.map_or((f64::NAN, f64::NAN), |o| {
+            (o.figures.error, o.figures.energy)
+        });
+        let (s, orbit) = (orbit.stages, &orbit.figures);
         all.push(Statement {
             statement: format!("energy over 1000 periods, s = {s}"),
             stated: "conserved".into(),

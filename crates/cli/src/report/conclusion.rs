@@ -4,6 +4,7 @@ use super::accuracy::Time;
 use super::long::{Long, REVOLUTIONS};
 use super::results::{Results, times};
 use crate::commands::growth::Curve;
+use crate::draw::panel::range;
 use crate::limits::LEVELS;
 use crate::text::three_digits;
 
@@ -91,13 +92,6 @@ fn cost(ratios: &[f64]) -> String {
         ratios[count / 2],
         count - faster
     )
-}
-
-fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values.fold(None, |range, x| match range {
-        None => Some((x, x)),
-        Some((low, high)) => Some((f64::min(low, x), f64::max(high, x))),
-    })
 }
 
 /// A ratio in words.

@@ -112,78 +112,29 @@ impl Contender {
         setting: f64,
         watched: bool,
     ) -> Result<Ran<T>, String> {
-        if self.adapts {
-            variable(self.method(), subject, setting, watched)
-        } else {
-            fixed(self.method(), subject, setting, watched)
+        let (q, p) = subject.start.split_at(subject.start.len() / 2);
+        let setting = T::exact(setting);
+        let integrator = match self.adapts {
+            true => self.method().tolerance(setting).max_steps(MOST_STEPS),
+            false => self.method().step(subject.end / setting),
+        };
+        let mut integrator = integrator.measure_energy(watched).record(Record::Ends);
+        for invariant in subject.instance.invariants().iter().filter(|_| watched) {
+            let invariant = Invariant::new(invariant.name, invariant.quantity.clone());
+            integrator = integrator.invariant(invariant);
         }
+        let (h, interval) = (subject.instance.hamiltonian(), T::int(0)..=subject.end);
+        let begun = ThreadTime::now();
+        let run = integrator.integrate(h, q, p, interval);
+        let run = run.map_err(|e| e.to_string())?;
+        let seconds = begun.elapsed().as_secs_f64();
+        let (_, q, p) = run.last();
+        Ok((outcome(run.certificate()), [q, p].concat(), seconds))
     }
-}
-
-fn invariants<T: Float>(subject: &Subject<T>, watched: bool) -> Vec<Invariant> {
-    let all = subject.instance.invariants().iter();
-    let named = all.map(|i| Invariant::new(i.name, i.quantity.clone()));
-    named.filter(|_| watched).collect()
-}
-
-fn fixed<T: Float>(
-    method: Method,
-    subject: &Subject<T>,
-    steps: f64,
-    watched: bool,
-) -> Result<Ran<T>, String> {
-    let (q, p) = subject.start.split_at(subject.start.len() / 2);
-    let mut integrator = method
-        .step(subject.end / T::exact(steps))
-        .measure_energy(watched);
-    for invariant in invariants(subject, watched) {
-        integrator = integrator.invariant(invariant);
-    }
-    let fault = |e: equip_integrate::IntegrateError<T>| e.to_string();
-    let begun = ThreadTime::now();
-    let mut stepper = integrator
-        .start(subject.instance.hamiltonian(), q, p, T::int(0))
-        .map_err(fault)?;
-    for _ in 0..steps as u64 {
-        stepper.advance().map_err(fault)?;
-    }
-    let seconds = begun.elapsed().as_secs_f64();
-    let view = stepper.view();
-    let end = [view.q, view.p].concat();
-    Ok((outcome(&stepper.certificate()), end, seconds))
 }
 
 /// Steps after which a run by tolerance is given up.
 const MOST_STEPS: u64 = 200_000;
-
-fn variable<T: Float>(
-    method: Method,
-    subject: &Subject<T>,
-    tolerance: f64,
-    watched: bool,
-) -> Result<Ran<T>, String> {
-    let (q, p) = subject.start.split_at(subject.start.len() / 2);
-    let mut integrator = method
-        .tolerance(T::exact(tolerance))
-        .measure_energy(watched)
-        .record(Record::Ends)
-        .max_steps(MOST_STEPS);
-    for invariant in invariants(subject, watched) {
-        integrator = integrator.invariant(invariant);
-    }
-    let begun = ThreadTime::now();
-    let run = integrator
-        .integrate(
-            subject.instance.hamiltonian(),
-            q,
-            p,
-            T::int(0)..=subject.end,
-        )
-        .map_err(|e| e.to_string())?;
-    let seconds = begun.elapsed().as_secs_f64();
-    let (_, q, p) = run.last();
-    Ok((outcome(run.certificate()), [q, p].concat(), seconds))
-}
 
 fn outcome<T: Float>(certificate: &Certificate<T>) -> Outcome {
     let invariants = certificate.invariants.iter();

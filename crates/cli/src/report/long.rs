@@ -5,7 +5,6 @@ use crate::commands::growth::{Curve, follow};
 use crate::draw::chart::{Line, Plot, chart};
 use crate::draw::figure::Figure;
 use crate::fault::Fault;
-use equip_integrate::{Equip, Gauss};
 use indicatif::ProgressBar;
 
 const STAGES: usize = 8;
@@ -52,21 +51,9 @@ pub(super) fn measure(wanted: &str, is_quick: bool, bar: &ProgressBar) -> Result
 }
 
 fn pair(eccentricity: &str, revolutions: u64, bar: &ProgressBar) -> Result<Vec<Curve>, Fault> {
-    let orbit = equip_scenes::find("kepler")?.instance(&[("e", eccentricity)])?;
-    let tolerance: f64 = TOLERANCE.parse().unwrap_or(1e-12);
-    let methods = [
-        (true, Equip::stages(STAGES)),
-        (false, Gauss::stages(STAGES)),
-    ];
-    let curves = methods.map(|(is_equip, method)| {
-        bar.set_message(format!("e = {eccentricity}, {revolutions} revolutions"));
-        let mut curve = follow(&orbit, method, tolerance, revolutions)?;
-        curve.eccentricity = eccentricity.into();
-        curve.tolerance = TOLERANCE.into();
-        curve.is_equip = is_equip;
-        Ok(curve)
-    });
-    curves.into_iter().collect()
+    bar.set_message(format!("e = {eccentricity}, {revolutions} revolutions"));
+    let curve = |is_equip| follow(eccentricity, (is_equip, STAGES), TOLERANCE, revolutions);
+    Ok(vec![curve(true)?, curve(false)?])
 }
 
 /// Error and energy error against revolutions, a panel of each for each orbit.

@@ -37,19 +37,13 @@ pub(super) fn page(
             "<h2 id=\"{LONG}\">Long runs with step control</h2>"
         ));
         push(figure(title, &long.regular).html());
-        push(growth_table(
-            &long.regular.iter().collect::<Vec<_>>(),
-            &long.numbers(),
-        ));
+        push(growth_table(&long.regular, &long.numbers()));
     }
     if !long.close.is_empty() {
         let title = "Kepler’s problem with close encounters";
         push(format!("<h2 id=\"{CLOSE}\">Close encounters</h2>"));
         push(figure(title, &long.close).html());
-        push(growth_table(
-            &long.close.iter().collect::<Vec<_>>(),
-            &[REVOLUTIONS],
-        ));
+        push(growth_table(&long.close, &[REVOLUTIONS]));
     }
     if !results.is_empty() {
         push(
@@ -119,7 +113,7 @@ fn uncorrected(is_equip: bool, count: u64) -> String {
 }
 
 /// Runs with step control: errors after the `numbers` of revolutions.
-fn growth_table(curves: &[&growth::Curve], numbers: &[u64]) -> String {
+fn growth_table(curves: &[growth::Curve], numbers: &[u64]) -> String {
     let mut heads: Vec<String> = ["method", "e", "tolerance"].map(Into::into).into();
     heads.extend(numbers.iter().map(|n| format!("error after {n}")));
     let more = [
@@ -130,7 +124,7 @@ fn growth_table(curves: &[&growth::Curve], numbers: &[u64]) -> String {
         "CPU ms per revolution",
     ];
     heads.extend(more.map(Into::into));
-    let row = |curve: &&growth::Curve| {
+    let row = |curve: &growth::Curve| {
         let c = &curve.certificate;
         let mut cells = vec![
             format!("{}(8)", curve.name()),
@@ -153,11 +147,7 @@ fn growth_table(curves: &[&growth::Curve], numbers: &[u64]) -> String {
         ]);
         cells
     };
-    table(
-        "numbers",
-        &heads,
-        &curves.iter().map(row).collect::<Vec<_>>(),
-    )
+    table("numbers", &heads, curves.iter().map(row))
 }
 
 /// Milliseconds to each error.
@@ -189,15 +179,12 @@ fn accuracies(result: &Results) -> String {
             text
         }
     };
-    let rows: Vec<Vec<String>> = all
-        .iter()
-        .map(|(curve, times)| {
-            let mut cells = vec![escape(&curve.contender.name())];
-            cells.extend(times.iter().enumerate().map(|(k, time)| cell(k, time)));
-            cells
-        })
-        .collect();
-    table("numbers", &heads, &rows)
+    let rows = all.iter().map(|(curve, times)| {
+        let mut cells = vec![escape(&curve.contender.name())];
+        cells.extend(times.iter().enumerate().map(|(k, time)| cell(k, time)));
+        cells
+    });
+    table("numbers", &heads, rows)
 }
 
 /// All runs of a scene.
@@ -256,10 +243,7 @@ fn runs(result: &Results) -> String {
         ]);
         cells
     };
-    let rows: Vec<_> = result
-        .curves
-        .iter()
-        .flat_map(|curve| curve.points.iter().map(move |point| row(curve, point)))
-        .collect();
-    table("numbers", &heads, &rows)
+    let rows = result.curves.iter();
+    let rows = rows.flat_map(|curve| curve.points.iter().map(|point| row(curve, point)));
+    table("numbers", &heads, rows)
 }

@@ -87,10 +87,13 @@ struct Point {
 /// # Errors
 /// If it cannot be read, or is none of the peers' files.
 pub(super) fn read(path: &Path) -> Result<Peers, Fault> {
-    let wrong = |e: String| Fault::Option {
-        option: "--peers",
-        value: format!("{} ({e})", path.display()),
-        expected: "a file peers.json written by benches/peers",
+    let wrong = |e: String| {
+        let value = format!("{} ({e})", path.display());
+        Fault::option(
+            "--peers",
+            value,
+            "a file peers.json written by benches/peers",
+        )
     };
     ordinary("--peers", path)?;
     let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
@@ -156,29 +159,25 @@ fn versions(peers: &Peers) -> String {
 fn against(scene: &Scene) -> String {
     let mut heads = vec!["program".to_owned()];
     heads.extend(scene.targets.iter().map(|t| format!("{t:.0e}")));
-    let rows: Vec<Vec<String>> = scene
-        .programs
-        .iter()
-        .map(|program| {
-            let mut cells = vec![escape(&program.program)];
-            cells.extend(program.reached.iter().map(|reached| match reached {
-                None => "–".into(),
-                Some(r) => {
-                    let ours = is_ours(&program.program);
-                    let ratio = r.ratio_to_quickest_peer.filter(|_| ours);
-                    let ratio = ratio.map_or(String::new(), |x| format!(" ({x:.2})"));
-                    let spread = format!("{} to {}", three_digits(r.least), three_digits(r.most));
-                    format!(
-                        "<span title=\"{spread}\">{}{ratio}</span> <small>{}</small>",
-                        three_digits(r.milliseconds),
-                        escape(&r.method)
-                    )
-                }
-            }));
-            cells
-        })
-        .collect();
-    table("numbers", &heads, &rows)
+    let rows = scene.programs.iter().map(|program| {
+        let mut cells = vec![escape(&program.program)];
+        cells.extend(program.reached.iter().map(|reached| match reached {
+            None => "–".into(),
+            Some(r) => {
+                let ours = is_ours(&program.program);
+                let ratio = r.ratio_to_quickest_peer.filter(|_| ours);
+                let ratio = ratio.map_or(String::new(), |x| format!(" ({x:.2})"));
+                let spread = format!("{} to {}", three_digits(r.least), three_digits(r.most));
+                format!(
+                    "<span title=\"{spread}\">{}{ratio}</span> <small>{}</small>",
+                    three_digits(r.milliseconds),
+                    escape(&r.method)
+                )
+            }
+        }));
+        cells
+    });
+    table("numbers", &heads, rows)
 }
 
 fn at_tolerance(at: &AtTolerance) -> String {
@@ -193,11 +192,7 @@ fn at_tolerance(at: &AtTolerance) -> String {
             row.error.map_or("–".into(), |e| format!("{e:.1e}")),
         ]
     };
-    table(
-        "numbers",
-        &heads,
-        &at.rows.iter().map(row).collect::<Vec<_>>(),
-    )
+    table("numbers", &heads, at.rows.iter().map(row))
 }
 
 /// Whether a program is this library.

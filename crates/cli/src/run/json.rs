@@ -1,7 +1,8 @@
 //! The certificate as JSON: the words of the printed one, numbers with all their digits.
 
-use crate::run::finished::{EndError, Finished};
+use crate::run::finished::Finished;
 use crate::write::csv::digits;
+use crate::write::json::object;
 use equip_integrate::{Conserved, Outcome};
 use equip_scalar::Float;
 use serde::Serialize;
@@ -24,133 +25,28 @@ impl Number {
     }
 }
 
-#[derive(Debug, Serialize)]
-struct Quantity {
-    name: String,
-    start: Number,
-    max: Number,
-    end: Number,
-}
-
-#[derive(Debug, Serialize)]
-struct Work {
-    fixed_point_iterations: u64,
-    taken_over: u64,
-    newton_iterations: u64,
-    factorisations: u64,
-    simplified_factorisations: u64,
-    gradients: u64,
-    hessians: u64,
-    energies: u64,
-    directions: u64,
-    alpha_updates: u64,
-    local_errors: u64,
-    halvings: u64,
-    output_steps: u64,
-    coarse_outputs: u64,
-}
-
-#[derive(Debug, Serialize)]
-struct Sizes {
-    tolerance: Number,
-    smallest: Number,
-    largest: Number,
-    rejected: u64,
-    failed: u64,
-}
-
-#[derive(Debug, Serialize)]
-struct RoundOff {
-    round_off: Number,
-    time: Number,
-    scale: Number,
-    last: Number,
-    recent_kinetic: Number,
-    underflows: bool,
-    is_small: bool,
-}
-
-#[derive(Debug, Serialize)]
-struct Jumps {
-    count: u64,
-    largest: Number,
-}
-
-#[derive(Debug, Serialize)]
-struct Phase {
-    angle: f64,
-    step: Number,
-}
-
-#[derive(Debug, Serialize)]
-struct Chaos {
-    lyapunov: Number,
-    megno: Number,
-}
-
-#[derive(Debug, Serialize)]
-struct AtEnd {
-    q: Vec<Number>,
-    p: Vec<Number>,
-}
-
-#[derive(Debug, Serialize)]
-struct Against {
-    against: String,
-    q: Number,
-    p: Number,
-}
-
-#[derive(Debug, Serialize)]
-struct Document<'a> {
-    energy_conserved_to_round_off: &'a str,
-    scene: &'a str,
-    parameters: BTreeMap<&'a str, &'a str>,
-    precision: &'static str,
-    method: String,
-    stages: usize,
-    order: usize,
-    step: Number,
-    variable_steps: Option<Sizes>,
-    start: Number,
-    end: Number,
-    steps: u64,
-    energy: Option<Quantity>,
-    energy_in_round_off_levels: Option<Number>,
-    energy_round_off: Option<RoundOff>,
-    phase_per_step: Option<Phase>,
-    motion_is_resolved: bool,
-    energy_conserved_on_every_step: bool,
-    invariants: Vec<Quantity>,
-    outcomes: BTreeMap<&'static str, u64>,
-    /// Steps whose energy error was left, for whatever reason.
-    uncorrected: u64,
-    switches_crossed: u64,
-    energy_jumps: Option<Jumps>,
-    alpha_range: Vec<[Number; 2]>,
-    chaos: Option<Chaos>,
-    work: Work,
-    end_state: AtEnd,
-    end_state_error: Option<Against>,
-    seconds: f64,
-    error: Option<String>,
-}
-
 /// The finished run as one JSON object over several lines.
 pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Result<String> {
     let certificate = finished.run.certificate();
     let counts = &certificate.counts;
     let (_, q, p) = finished.run.last();
-    let document = Document {
+    let parameters: BTreeMap<_, _> = finished.instance.parameters().collect();
+    let outcomes: BTreeMap<_, _> = (Outcome::ALL.iter())
+        .map(|o| (o.label(), counts.outcome(*o)))
+        .collect();
+    let alpha_range: Vec<_> = (certificate.alpha_range.iter())
+        .map(|&(low, high)| [low, high].map(Number::new))
+        .collect();
+    serde_json::to_string_pretty(&object! {
         energy_conserved_to_round_off: &certificate.energy_conserved_to_round_off,
         scene: finished.instance.scene().name,
-        parameters: finished.instance.parameters().collect(),
+        parameters: parameters,
         precision: T::NAME,
         method: certificate.method.to_string(),
         stages: certificate.method.stage_count(),
         order: certificate.method.order(),
         step: Number::new(certificate.step),
-        variable_steps: certificate.variable_steps.map(|steps| Sizes {
+        variable_steps: certificate.variable_steps.map(|steps| object! {
             tolerance: Number::new(steps.tolerance),
             smallest: Number::new(steps.smallest),
             largest: Number::new(steps.largest),
@@ -162,42 +58,36 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         steps: counts.steps,
         energy: certificate.energy.as_ref().map(quantity),
         energy_in_round_off_levels: certificate.energy_in_round_off_levels.map(Number::new),
-        energy_round_off: certificate.energy_round_off.map(|round_off| RoundOff {
-            round_off: Number::new(round_off.round_off),
-            time: Number::new(round_off.time),
-            scale: Number::new(round_off.scale),
-            last: Number::new(round_off.last),
-            recent_kinetic: Number::new(round_off.recent_kinetic),
-            underflows: round_off.underflows,
-            is_small: round_off.is_small(),
+        energy_round_off: certificate.energy_round_off.map(|level| object! {
+            round_off: Number::new(level.round_off),
+            time: Number::new(level.time),
+            scale: Number::new(level.scale),
+            last: Number::new(level.last),
+            recent_kinetic: Number::new(level.recent_kinetic),
+            underflows: level.underflows,
+            is_small: level.is_small(),
         }),
-        phase_per_step: certificate.phase_per_step.map(|phase| Phase {
+        phase_per_step: certificate.phase_per_step.map(|phase| object! {
             angle: phase.angle,
             step: Number::new(phase.step),
         }),
         motion_is_resolved: certificate.motion_is_resolved(),
         energy_conserved_on_every_step: certificate.energy_conserved_on_every_step(),
-        invariants: certificate.invariants.iter().map(quantity).collect(),
-        outcomes: Outcome::ALL
-            .iter()
-            .map(|o| (o.label(), counts.outcome(*o)))
-            .collect(),
+        invariants: certificate.invariants.iter().map(quantity).collect::<Vec<_>>(),
+        outcomes: outcomes,
+        // Steps whose energy error was left, for whatever reason.
         uncorrected: counts.uncorrected(),
         switches_crossed: certificate.switches_crossed,
-        energy_jumps: certificate.energy_jumps.map(|jumps| Jumps {
+        energy_jumps: certificate.energy_jumps.map(|jumps| object! {
             count: jumps.count,
             largest: Number::new(jumps.largest),
         }),
-        alpha_range: certificate
-            .alpha_range
-            .iter()
-            .map(|&(low, high)| [Number::new(low), Number::new(high)])
-            .collect(),
-        chaos: certificate.chaos.map(|chaos| Chaos {
+        alpha_range: alpha_range,
+        chaos: certificate.chaos.map(|chaos| object! {
             lyapunov: Number::new(chaos.lyapunov),
             megno: Number::new(chaos.megno),
         }),
-        work: Work {
+        work: object! {
             fixed_point_iterations: counts.fixed_point_iterations,
             taken_over: counts.taken_over,
             newton_iterations: counts.newton_iterations,
@@ -213,27 +103,23 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             output_steps: certificate.output_steps,
             coarse_outputs: certificate.coarse_outputs,
         },
-        end_state: AtEnd {
+        end_state: object! {
             q: Number::all(q),
             p: Number::all(p),
         },
-        end_state_error: finished
-            .end_error
-            .as_ref()
-            .map(|EndError { against, q, p }| Against {
-                against: against.clone(),
-                q: Number::new(*q),
-                p: Number::new(*p),
-            }),
+        end_state_error: finished.end_error.as_ref().map(|error| object! {
+            against: &error.against,
+            q: Number::new(error.q),
+            p: Number::new(error.p),
+        }),
         seconds: certificate.seconds,
         error: finished.error.as_ref().map(ToString::to_string),
-    };
-    serde_json::to_string_pretty(&document)
+    })
 }
 
-fn quantity<T: Float>(conserved: &Conserved<T>) -> Quantity {
-    Quantity {
-        name: conserved.name.clone(),
+fn quantity<T: Float>(conserved: &Conserved<T>) -> impl Serialize + '_ {
+    object! {
+        name: &conserved.name,
         start: Number::new(conserved.start),
         max: Number::new(conserved.max),
         end: Number::new(conserved.end),

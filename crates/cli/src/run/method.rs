@@ -15,11 +15,7 @@ pub(crate) fn method<T: Float>(stages: usize, name: &MethodName) -> Result<Metho
         MethodName::FixedAlpha(text) => {
             let alpha = number::<T>("--method fixed-alpha", text)?;
             if !alpha.is_finite() {
-                return Err(Fault::Option {
-                    option: "--method fixed-alpha",
-                    value: text.clone(),
-                    expected: "finite",
-                });
+                return Err(Fault::option("--method fixed-alpha", text, "finite"));
             }
             Method::fixed_alpha(stages, Constant::from_expansion(alpha.expansion()))
         }

@@ -2,7 +2,7 @@
 //! and MEGNO if they were requested.
 
 use crate::draw::figure::{Figure, Look};
-use crate::draw::panel::{Axis, Panel};
+use crate::draw::panel::{Axis, Panel, range};
 use crate::draw::samples::{Envelope, Path as Curve};
 use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark};
 use crate::run::comparison::Comparison;
@@ -221,10 +221,9 @@ fn energies<T: Float>(
     }
     let round_off = round_off / unit;
     let all = curves.iter().flat_map(|(points, _)| points);
-    let (low, high) = all.fold((round_off, round_off), |(low, high), point| {
-        (low.min(point.1), high.max(point.1))
-    });
-    let y = Axis::powers(low.max(1e-3 * round_off), high, 0.25, label);
+    let all = range(all.map(|point| point.1).chain([round_off]));
+    let shown = all.map(|(low, high)| (low.max(1e-3 * round_off), high));
+    let y = Axis::powers(shown, 0.25, label);
     let mut panel = Panel::new(time, y);
     panel.round_off = Some(round_off);
     let mut svg = panel.svg(heading);
@@ -238,12 +237,7 @@ fn energies<T: Float>(
 fn chaos(figure: &mut Figure, seen: &Curve, end: f64, time: &str) {
     let positive = || seen.pairs(0).filter(|&(t, x)| t > 0.0 && x > 0.0);
     let axis = |of: fn((f64, f64)) -> f64, margin, label| {
-        let range = positive().map(of).fold(None, |range, x| {
-            let (low, high) = range.unwrap_or((x, x));
-            Some((x.min(low), x.max(high)))
-        });
-        let (low, high) = range.unwrap_or((0.1, 1.0));
-        Axis::powers(low, high, margin, label)
+        Axis::powers(range(positive().map(of)), margin, label)
     };
     let exponent = Panel::new(
         axis(|point| point.0, 0.0, time),

@@ -32,11 +32,9 @@ pub(crate) fn apart(outputs: &[(&'static str, Option<&Path>)]) -> Result<(), Fau
 /// [`Fault::Option`].
 pub(crate) fn ordinary(option: &'static str, path: &Path) -> Result<(), Fault> {
     match std::fs::metadata(path) {
-        Ok(found) if !found.is_file() => Err(Fault::Option {
-            option,
-            value: path.display().to_string(),
-            expected: "an ordinary file",
-        }),
+        Ok(found) if !found.is_file() => {
+            Err(Fault::option(option, path.display(), "an ordinary file"))
+        }
         // What else is wrong shows when it is opened.
         _ => Ok(()),
     }

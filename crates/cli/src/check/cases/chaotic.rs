@@ -22,10 +22,7 @@ pub(crate) fn cases() -> Vec<Case> {
 }
 
 fn fine() -> Reference {
-    Reference::Fine {
-        stages: 10,
-        divide: 4,
-    }
+    Reference::fine(10, 4)
 }
 
 fn henon_heiles(all: &mut Vec<Case>) {
@@ -41,10 +38,7 @@ fn henon_heiles(all: &mut Vec<Case>) {
             all.push(case().stages(s).steps(1000, 0.5).trajectory(UNPREDICTABLE));
         }
         let wide = case().double_double().stages(6).steps(100, 0.25);
-        all.push(wide.against(Reference::Fine {
-            stages: 14,
-            divide: 2,
-        }));
+        all.push(wide.against(Reference::fine(14, 2)));
     }
     // Along q1 = 0 over the saddle at (0, 1), whose energy is 1/6: the rest of the way takes finite time.
     for (text, speed, after) in [
@@ -131,11 +125,8 @@ fn lennard_jones(all: &mut Vec<Case>) {
         "Lennard-Jones, 7 fast atoms",
         scene("lennard-jones", &[("n", "7"), ("speed", "10")]),
     );
-    let against = Reference::Fine {
-        stages: 6,
-        divide: 2,
-    };
-    all.push(seven.steps(500, 1e-3).against(against).complete_only());
+    let against = Reference::fine(6, 2);
+    all.push(seven.steps(500, 1e-3).against(against).quick(false));
 }
 
 /// Not reversible: symmetric methods let the energy drift, H = H_ref at every step does not.
@@ -166,8 +157,5 @@ fn charged_particle(all: &mut Vec<Case>) {
         scene("charged-particle", &[]),
     );
     let dd = dd.double_double().stages(6).steps(100, TAU / 20.0);
-    all.push(dd.against(Reference::Fine {
-        stages: 12,
-        divide: 2,
-    }));
+    all.push(dd.against(Reference::fine(12, 2)));
 }

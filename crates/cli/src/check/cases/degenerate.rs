@@ -41,10 +41,7 @@ fn at_rest(all: &mut Vec<Case>) {
     all.push(
         still
             .trajectory(Trajectory::Within(0.0))
-            .against(Reference::Fine {
-                stages: 6,
-                divide: 2,
-            }),
+            .against(Reference::fine(6, 2)),
     );
 }
 
@@ -58,10 +55,7 @@ fn nothing_to_solve(all: &mut Vec<Case>) {
 /// Energies that are not smooth where the motion goes, or where it starts. Steps over a kink of |q| are made
 /// in two parts; between two kinks it is quadratic, and every α keeps it.
 fn kinks(all: &mut Vec<Case>) {
-    let fine = || Reference::Fine {
-        stages: 6,
-        divide: 8,
-    };
+    let fine = || Reference::fine(6, 8);
     for s in [3, 4, 6] {
         let case = particle("|q|, across the kink", |q| q.abs(), 1.0, 0.0).stages(s);
         all.push(case.steps(200, 0.13).against(fine()));
@@ -99,10 +93,7 @@ fn domains(all: &mut Vec<Case>) {
         (4.0, "−ln(1 − q) + q²/2, p=4"),
     ] {
         let wall = particle(name, |q| 0.5 * q * q - (1.0 - q).ln(), 0.0, p);
-        let wall = wall.steps(100, 0.1).against(Reference::Fine {
-            stages: 8,
-            divide: 8,
-        });
+        let wall = wall.steps(100, 0.1).against(Reference::fine(8, 8));
         all.push(if p < 2.0 {
             wall
         } else {
@@ -139,10 +130,10 @@ fn every_number_of_stages(all: &mut Vec<Case>) {
             "Hénon–Heiles E=1/12, every s",
             scene("henon-heiles", &[("energy", "1/12")]),
         );
-        let case = case.stages(s).steps(100, 0.5).against(Reference::Fine {
-            stages: 24,
-            divide: 1,
-        });
+        let case = case
+            .stages(s)
+            .steps(100, 0.5)
+            .against(Reference::fine(24, 1));
         // With one α for one constraint there is no choice of the direction.
         all.push(if s == 2 {
             case.known_deficit(4.3)

@@ -87,17 +87,13 @@ fn many() -> Vec<Case> {
         .stages(4)
         .steps(50, 1.0)
         .against(fine()),
-        springs("50", 5.0).stages(12).against(Reference::Fine {
-            stages: 16,
-            divide: 2,
-        }),
-        springs("500", 50.0).complete_only(),
+        springs("50", 5.0)
+            .stages(12)
+            .against(Reference::fine(16, 2)),
+        springs("500", 50.0).quick(false),
     ]
 }
 
 fn fine() -> Reference {
-    Reference::Fine {
-        stages: 6,
-        divide: 2,
-    }
+    Reference::fine(6, 2)
 }

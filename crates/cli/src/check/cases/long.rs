@@ -19,10 +19,10 @@ pub(crate) fn cases() -> Vec<Case> {
     vec![
         kepler(100_000).against(Reference::Closed),
         henon_heiles(100_000),
-        henon_heiles(1_000_000).complete_only(),
+        henon_heiles(1_000_000).quick(false),
         kepler(10_000_000)
             .against(Reference::Closed)
             .trajectory(Trajectory::Open("as long as it goes: energy and outcomes"))
-            .complete_only(),
+            .quick(false),
     ]
 }

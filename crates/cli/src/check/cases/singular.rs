@@ -51,12 +51,7 @@ fn kepler(all: &mut Vec<Case>) {
             });
             // Two: what follows a pericentre is harder than what leads to the first.
             let periods = 2;
-            let row = case(s, enough, periods);
-            all.push(if enough > 10_000 {
-                row.complete_only()
-            } else {
-                row
-            });
+            all.push(case(s, enough, periods).quick(enough <= 10_000));
         }
     }
     let dd = Case::new(THEME, "Kepler e=0.9", scene("kepler", &[("e", "0.9")]));
@@ -70,28 +65,25 @@ fn arenstorf(all: &mut Vec<Case>) {
     for (s, steps) in [(4, 40_000), (6, 20_000)] {
         let case = Case::new(THEME, "Arenstorf orbit 1", scene("arenstorf", &[])).stages(s);
         let case = case.steps(steps, PERIOD / steps as f64);
-        all.push(case.against(Reference::Stored).complete_only());
+        all.push(case.against(Reference::Stored).quick(false));
     }
 }
 
 /// Burrau's three bodies: until t = 10, and through the pass at 0.0004 near t = 15.83.
 fn pythagorean(all: &mut Vec<Case>) {
     let early = Case::new(THEME, "Pythagorean, t = 0 … 3", scene("pythagorean", &[]));
-    let early = early.stages(6).steps(3000, 1e-3).against(Reference::Fine {
-        stages: 10,
-        divide: 4,
-    });
-    all.push(early.complete_only());
+    let early = early
+        .stages(6)
+        .steps(3000, 1e-3)
+        .against(Reference::fine(10, 4));
+    all.push(early.quick(false));
     for (s, h) in [(4, 1e-5), (6, 1e-5), (6, 4e-5)] {
         let name = "Pythagorean, t = 15.8 … 15.86";
         let case = Case::new(THEME, name, close_pass).stages(s);
         let case = case
             .steps((0.06_f64 / h).round() as u64, h)
-            .against(Reference::Fine {
-                stages: 8,
-                divide: (h / 5e-6).round() as u64,
-            });
-        all.push(case.complete_only());
+            .against(Reference::fine(8, (h / 5e-6).round() as u64));
+        all.push(case.quick(false));
     }
 }
 

@@ -26,15 +26,21 @@ fn judged(case: Case, slow: Judged) -> Case {
     }
 }
 
-/// Three stiff springs; ω = 50 and 500 until t = 10, ω = 5000 until t = 2.
-fn fpu(all: &mut Vec<Case>) {
-    let shared = |omega: &str, grid, divide, end| Reference::Shared {
-        key: format!("fpu {omega}"),
+/// Gauss with so many stages and steps `grid / divide`, for all rows with this `key`.
+fn shared(key: String, grid: f64, divide: u64, stages: usize, end: f64) -> Reference {
+    Reference::Shared {
+        key,
         grid,
         divide,
-        stages: 7,
+        stages,
         end,
-    };
+    }
+}
+
+/// Three stiff springs; ω = 50 and 500 until t = 10, ω = 5000 until t = 2.
+fn fpu(all: &mut Vec<Case>) {
+    let shared =
+        |omega: &str, grid, divide, end| shared(format!("fpu {omega}"), grid, divide, 7, end);
     let case = |omega: &str, s: usize, h: f64, end: f64| {
         let name = format!("fpu ω={omega}");
         let case = Case::new(THEME, name, scene("fpu", &[("omega", omega)]))
@@ -50,23 +56,16 @@ fn fpu(all: &mut Vec<Case>) {
         }
         for h in [0.002, 0.005, 0.01, 0.02, 0.1, 0.25, 1.0] {
             let row = case("500", s, h, 10.0).against(shared("500", 0.001, 1, 10.0));
-            all.push(if s == 4 && h > 0.01 {
-                row
-            } else {
-                row.complete_only()
-            });
+            all.push(row.quick(s == 4 && h > 0.01));
         }
         for h in [0.001, 0.01, 0.02, 0.1] {
             let row = case("5000", s, h, 2.0).against(shared("5000", 0.001, 5, 2.0));
-            all.push(row.complete_only());
+            all.push(row.quick(false));
         }
     }
     // hω = 0.1; Gauss with more stages is the reference.
     for (omega, h) in [("50", 2e-3), ("500", 2e-4), ("5000", 2e-5)] {
-        let fine = Reference::Fine {
-            stages: 6,
-            divide: 1,
-        };
+        let fine = Reference::fine(6, 1);
         all.push(case(omega, 4, h, 500.0 * h).against(fine));
     }
     let far = case("50", 4, 10.0, 200.0).ending(End::Either(&[Kind::Astray], TOO_LARGE));
@@ -92,19 +91,9 @@ fn spring_pendulum(all: &mut Vec<Case>) {
                     .stages(s)
                     .omega(k_value.sqrt())
                     .steps((end / h).round() as u64, h)
-                    .against(Reference::Shared {
-                        key: format!("spring pendulum {k}"),
-                        grid,
-                        divide,
-                        stages: 8,
-                        end,
-                    });
+                    .against(shared(format!("spring pendulum {k}"), grid, divide, 8, end));
                 let case = judged(case, Judged::Polar);
-                all.push(if k == "1e8" && s != 4 {
-                    case.complete_only()
-                } else {
-                    case
-                });
+                all.push(case.quick(k != "1e8" || s == 4));
             }
         }
     }
@@ -122,13 +111,13 @@ fn double_pendulum(all: &mut Vec<Case>) {
                     .stages(s)
                     .omega(2.2 * c_value)
                     .steps((2.0 / h).round() as u64, h)
-                    .against(Reference::Shared {
-                        key: format!("double pendulum {c}"),
-                        grid: 0.5_f64.powi(9),
-                        divide: 4,
-                        stages: 8,
-                        end: 2.0,
-                    });
+                    .against(shared(
+                        format!("double pendulum {c}"),
+                        0.5_f64.powi(9),
+                        4,
+                        8,
+                        2.0,
+                    ));
                 let case = judged(case, Judged::First(1));
                 let case = match (c, s, power) {
                     ("32", 6, 7) => case.known_deficit(4.4),

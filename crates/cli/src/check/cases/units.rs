@@ -112,10 +112,7 @@ fn shifted(all: &mut Vec<Case>) {
         let [zero, two] = [0.0, 2.0].map(Constant::from);
         Ok(Problem::new(h, &[0.4.into(), zero], &[zero, two]))
     };
-    let fine = || Reference::Fine {
-        stages: 10,
-        divide: 4,
-    };
+    let fine = || Reference::fine(10, 4);
     for (s, n) in [(3, 160), (3, 40), (4, 80), (6, 40)] {
         let case = Case::new(THEME, "Kepler e=0.6, H + 1e10", problem).stages(s);
         all.push(case.steps(3 * n, TAU / n as f64).against(fine()));
