@@ -55,15 +55,14 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
     let summary = Summary::of(&rows, begun);
     let mut out = stdout().lock();
     table::end(&mut out, &rows, &summary)?;
-    let json_text = json.as_ref().map(|_| documents::json(&rows, &summary));
-    let json_text = json_text.transpose().map_err(std::io::Error::from)?;
-    let csv_text = csv.as_ref().map(|_| documents::csv(&rows));
-    let csv_text = csv_text.transpose().map_err(std::io::Error::from)?;
-    let html_text = html.as_ref().map(|_| html::document(&rows, &summary));
-    for (file, text) in [(json, json_text), (csv, csv_text), (html, html_text)] {
-        if let (Some(file), Some(text)) = (file, text) {
-            file.write(&text)?;
-        }
+    if let Some(file) = json {
+        file.write(&documents::json(&rows, &summary)?)?;
+    }
+    if let Some(file) = csv {
+        file.write(&documents::csv(&rows)?)?;
+    }
+    if let Some(file) = html {
+        file.write(&html::document(&rows, &summary))?;
     }
     match summary.failed {
         0 => Ok(()),

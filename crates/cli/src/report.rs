@@ -23,6 +23,7 @@ use crate::fault::Fault;
 use crate::limits::LEVELS;
 use crate::run::progress::steps_of;
 use crate::text::wrapped;
+use crate::write::lock::unwritten;
 use contender::contenders;
 use equip_scalar::{DoubleDouble, Float};
 use indicatif::ProgressBar;
@@ -30,7 +31,6 @@ use measure::{Budget, curves};
 use results::{Results, round_off};
 use std::fs;
 use std::io::{Write, stdout};
-use std::path::Path;
 use std::time::{Duration, Instant};
 use subject::{ENTRIES, Entry, Subject};
 
@@ -62,7 +62,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
         return Err(Fault::option("--only", wanted, expected));
     }
     // A directory that cannot be made is worth knowing before the work.
-    fs::create_dir_all(&args.out).map_err(|source| fault(&args.out, source))?;
+    fs::create_dir_all(&args.out).map_err(|source| unwritten(&args.out, source))?;
     let total = match (args.seconds, args.quick) {
         (Some(seconds), _) => Duration::from_secs_f64(seconds),
         (None, true) => QUICK,
@@ -123,7 +123,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
     }
     for (name, text) in &files {
         let path = args.out.join(name);
-        fs::write(&path, text).map_err(|source| fault(&path, source))?;
+        fs::write(&path, text).map_err(|source| unwritten(&path, source))?;
     }
     let page = args.out.join("report.html");
     let scenes = match results.len() {
@@ -209,11 +209,4 @@ fn facts(results: &[Results], begun: Instant) -> Vec<String> {
         "times to an error: interpolated linearly in both logarithms; a setting counts if the next finer one has at most this error too".into(),
         format!("measured in {:.0} s", begun.elapsed().as_secs_f64()),
     ]
-}
-
-fn fault(path: &Path, source: std::io::Error) -> Fault {
-    Fault::Write {
-        path: path.to_owned(),
-        source,
-    }
 }

@@ -8,6 +8,7 @@ use crate::write::json::object;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::io;
 
 fn document<'a>(row: &'a Row<'_>) -> impl Serialize + 'a {
     let (case, m) = (row.case, &row.measured);
@@ -50,12 +51,13 @@ fn document<'a>(row: &'a Row<'_>) -> impl Serialize + 'a {
 }
 
 /// `{"version": …, "summary": …, "rows": […]}`.
-pub(crate) fn json(rows: &[Row<'_>], summary: &Summary) -> serde_json::Result<String> {
-    serde_json::to_string_pretty(&object! {
+pub(crate) fn json(rows: &[Row<'_>], summary: &Summary) -> io::Result<String> {
+    let text = serde_json::to_string_pretty(&object! {
         version: env!("CARGO_PKG_VERSION"),
         summary: summary,
         rows: rows.iter().map(document).collect::<Vec<_>>(),
-    })
+    })?;
+    Ok(text)
 }
 
 const HEADER: &str = "theme,name,stages,step,h_omega,precision,steps_wanted,steps,outcomes,energy_in_round_off_levels,\
@@ -63,7 +65,7 @@ const HEADER: &str = "theme,name,stages,step,h_omega,precision,steps_wanted,step
     round_off_of_trajectory,seconds,seconds_gauss,seconds_all,verdict,notes";
 
 /// One header line and one line a row; members of [`json`] that are no lists have the same names.
-pub(crate) fn csv(rows: &[Row<'_>]) -> serde_json::Result<String> {
+pub(crate) fn csv(rows: &[Row<'_>]) -> io::Result<String> {
     let mut text = format!("{HEADER}\n");
     for row in rows {
         let members = serde_json::to_value(document(row))?;

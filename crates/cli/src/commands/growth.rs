@@ -56,14 +56,10 @@ impl Curve {
     /// What is drawn of the errors, and of the energy errors.
     pub(crate) fn spots(&self) -> [Vec<Spot>; 2] {
         let points = self.points.iter().zip(&self.energies);
-        let spots = points.map(|(&(n, error), &energy)| [error, energy].map(|y| (n as f64, y)));
-        let spots: Vec<_> = spots.collect();
-        [0, 1].map(|k| {
-            spots
-                .iter()
-                .map(|pair| Spot::exact(pair[k].0, pair[k].1))
-                .collect()
-        })
+        let both = |(&(n, error), &energy): (&(u64, f64), &f64)| {
+            (Spot::exact(n as f64, error), Spot::exact(n as f64, energy))
+        };
+        points.map(both).collect::<(Vec<_>, Vec<_>)>().into()
     }
 
     pub(crate) fn look(&self, dashes: &'static str) -> Look {

@@ -25,27 +25,27 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
+    fn new(low: f64, high: f64, logarithmic: bool, label: &str) -> Self {
+        let label = label.to_owned();
+        Axis {
+            low,
+            high,
+            logarithmic,
+            label,
+        }
+    }
+
     /// From the smallest to the largest finite value, and a little more on either side.
     pub(crate) fn around(values: impl Iterator<Item = f64>, label: &str) -> Self {
         let (low, high) = range(values.filter(|x| x.is_finite())).unwrap_or((0.0, 1.0));
         let margin = if high > low { 0.04 * (high - low) } else { 1.0 };
-        Axis {
-            low: low - margin,
-            high: high + margin,
-            logarithmic: false,
-            label: label.into(),
-        }
+        Axis::new(low - margin, high + margin, false, label)
     }
 
     /// Exactly from `low` to `high`.
     pub(crate) fn between(low: f64, high: f64, label: &str) -> Self {
         let high = if high > low { high } else { low + 1.0 };
-        Axis {
-            low,
-            high,
-            logarithmic: false,
-            label: label.into(),
-        }
+        Axis::new(low, high, false, label)
     }
 
     /// Logarithmic, from `margin` decades below the range to as many above it, both positive; a decade and a
@@ -54,12 +54,7 @@ impl Axis {
         let (low, high) = range.unwrap_or((0.1, 1.0));
         let (low, high) = (low.log10() - margin, high.log10() + margin);
         let more = (0.75 - (high - low) / 2.0).max(0.0);
-        Axis {
-            low: low - more,
-            high: high + more,
-            logarithmic: true,
-            label: label.into(),
-        }
+        Axis::new(low - more, high + more, true, label)
     }
 
     fn widen(&mut self, factor: f64) {
@@ -203,31 +198,36 @@ impl Panel {
             let (_, y) = self.at((1.0, round_off));
             svg.rectangle((self.left, y), (self.width, bottom - y), BAND);
         }
-        for x in self.x.between_decades() {
-            let x = self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
+        // Pixels of what is a number of the axes, its logarithm if they are logarithmic.
+        let along = |x: f64| self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
+        let up = |y: f64| bottom - self.height * (y - self.y.low) / (self.y.high - self.y.low);
+        for x in self.x.between_decades().into_iter().map(along) {
             svg.line((x, self.top), (x, bottom), FINE_GRID, 1.0);
         }
         for (x, text) in self.x.twos_and_fives() {
-            let x = self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
-            svg.text((x, bottom + 21.0), 12, Anchor::Middle, FAINT, &text);
+            svg.text((along(x), bottom + 21.0), 12, Anchor::Middle, FAINT, &text);
         }
-        for y in self.y.between_decades() {
-            let y = bottom - self.height * (y - self.y.low) / (self.y.high - self.y.low);
+        for y in self.y.between_decades().into_iter().map(up) {
             svg.line((self.left, y), (right, y), FINE_GRID, 1.0);
         }
         for (y, text) in self.y.twos_and_fives() {
-            let y = bottom - self.height * (y - self.y.low) / (self.y.high - self.y.low);
-            svg.text((self.left - 10.0, y + 4.0), 12, Anchor::End, FAINT, &text);
+            svg.text(
+                (self.left - 10.0, up(y) + 4.0),
+                12,
+                Anchor::End,
+                FAINT,
+                &text,
+            );
         }
         let (unit, ticks) = self.x.ticks(self.width / 80.0);
         for tick in ticks {
-            let x = self.left + self.width * (tick - self.x.low) / (self.x.high - self.x.low);
+            let x = along(tick);
             svg.line((x, self.top), (x, bottom), GRID, 1.0);
             tick_label(svg, &self.x, (x, bottom + 22.0), Anchor::Middle, tick, unit);
         }
         let (unit, ticks) = self.y.ticks(self.height / 45.0);
         for tick in ticks {
-            let y = bottom - self.height * (tick - self.y.low) / (self.y.high - self.y.low);
+            let y = up(tick);
             svg.line((self.left, y), (right, y), GRID, 1.0);
             tick_label(
                 svg,
