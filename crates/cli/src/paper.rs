@@ -76,34 +76,17 @@ fn text(paper: &Paper) -> String {
     for s in &paper.statements {
         line([&s.statement, &s.stated, &s.measured, s.word()]);
     }
-    let _ = writeln!(
-        text,
-        "\nError after two periods, largest component of (q, p), in double-double"
-    );
-    let mut line = |s: &str, method: &str, [a, b, c, d]: [&str; 4]| {
-        let _ = writeln!(text, "{s:<3}{method:<18}{a:>11}{b:>11}{c:>11}{d:>8}");
-    };
-    line("s", "method", ["80 steps", "160", "320", "order"]);
+    text += "\nError after two periods, largest component of (q, p), in double-double\n";
+    text += "s  method               80 steps        160        320   order\n";
     for row in &paper.convergence {
-        let (s, cells) = (row.stages.to_string(), row.cells());
-        line(
-            &s,
-            row.method.name(),
-            cells.each_ref().map(|cell| &cell[..]),
-        );
+        let (s, method, [a, b, c, order]) = (row.stages, row.method.name(), row.cells());
+        let _ = writeln!(text, "{s:<3}{method:<18}{a:>11}{b:>11}{c:>11}{order:>8}");
     }
-    let _ = writeln!(text, "\nKepler's problem, 1000 periods of 200 steps");
-    let mut line = |s: &str, method: &str, [a, b, c]: [&str; 3]| {
-        let _ = writeln!(text, "{s:<3}{method:<18}{a:>13}{b:>13}{c:>13}");
-    };
-    line("s", "method", ["error", "max |ΔH|", "max |ΔL|"]);
+    text += "\nKepler's problem, 1000 periods of 200 steps\n";
+    text += "s  method                    error     max |ΔH|     max |ΔL|\n";
     for orbit in &paper.orbits {
-        let (s, cells) = (orbit.stages.to_string(), orbit.cells());
-        line(
-            &s,
-            orbit.method.name(),
-            cells.each_ref().map(|cell| &cell[..]),
-        );
+        let (s, method, [a, b, c]) = (orbit.stages, orbit.method.name(), orbit.cells());
+        let _ = writeln!(text, "{s:<3}{method:<18}{a:>13}{b:>13}{c:>13}");
     }
     text
 }

@@ -159,57 +159,48 @@ fn narrow<T: Float>(wide: &Samples<DoubleDouble>) -> Samples<T> {
 pub(crate) fn distance<T: Float>(judged: Judged, run: &Samples<T>, truth: &Truth<T>) -> f64 {
     let zero = T::int(0);
     let larger = |most: T, x: T| if x.abs() <= most { most } else { x.abs() };
-    let part = |y: &[T]| observed(judged, y);
-    let (mut scale_q, mut scale_p) = (zero, zero);
+    let is_polar = judged == Judged::Polar;
+    // Of positions and of momenta.
+    let (mut scale, mut off) = ([zero; 2], [zero; 2]);
     for y in truth.samples.iter() {
-        let (q, p) = part(y);
-        scale_q = q.into_iter().fold(scale_q, larger);
-        scale_p = p.into_iter().fold(scale_p, larger);
-    }
-    let (mut off_q, mut off_p) = (zero, zero);
-    for (y, z) in run.iter().skip(truth.from).zip(truth.samples.iter()) {
-        let ((q, p), (q1, p1)) = (part(y), part(z));
-        let mut differences = q.into_iter().zip(q1).map(|(a, b)| a - b);
-        off_q = match judged {
-            // An angle is known up to turns.
-            Judged::Polar => differences.fold(off_q, |most, d| {
-                larger(most, d - T::two_pi() * (d / T::two_pi()).round())
-            }),
-            _ => differences.by_ref().fold(off_q, larger),
-        };
-        off_p = p
-            .into_iter()
-            .zip(p1)
-            .map(|(a, b)| a - b)
-            .fold(off_p, larger);
-    }
-    if judged == Judged::Polar {
-        scale_q = T::int(1);
-    }
-    let relative = |off: T, scale: T| {
-        if off == zero {
-            0.0
-        } else {
-            (off / scale).to_f64()
+        for (scale, part) in scale.iter_mut().zip(observed(judged, y)) {
+            *scale = part.into_iter().fold(*scale, larger);
         }
-    };
-    let (q, p) = (relative(off_q, scale_q), relative(off_p, scale_p));
-    if q.is_finite() && p.is_finite() {
-        q.max(p)
-    } else {
-        f64::INFINITY
+    }
+    if is_polar {
+        scale[0] = T::int(1);
+    }
+    for (y, z) in run.iter().skip(truth.from).zip(truth.samples.iter()) {
+        let parts = observed(judged, y).into_iter().zip(observed(judged, z));
+        for (k, (found, expected)) in parts.enumerate() {
+            let differences = found.into_iter().zip(expected).map(|(a, b)| a - b);
+            // An angle is known up to turns.
+            let turned = differences.map(|d| match is_polar && k == 0 {
+                true => d - T::two_pi() * (d / T::two_pi()).round(),
+                false => d,
+            });
+            off[k] = turned.fold(off[k], larger);
+        }
+    }
+    let relative = [0, 1].map(|k| match off[k] == zero {
+        true => 0.0,
+        false => (off[k] / scale[k]).to_f64(),
+    });
+    match relative.iter().all(|x| x.is_finite()) {
+        true => relative[0].max(relative[1]),
+        false => f64::INFINITY,
     }
 }
 
 /// The part of y that is judged, as positions and momenta.
-fn observed<T: Float>(judged: Judged, y: &[T]) -> State<T> {
+fn observed<T: Float>(judged: Judged, y: &[T]) -> [Vec<T>; 2] {
     let (q, p) = y.split_at(y.len() / 2);
     match judged {
-        Judged::State => (q.to_vec(), p.to_vec()),
-        Judged::First(m) => (q[..m].to_vec(), p[..m].to_vec()),
+        Judged::State => [q.to_vec(), p.to_vec()],
+        Judged::First(m) => [q[..m].to_vec(), p[..m].to_vec()],
         Judged::Polar => {
             let moment = q[0] * p[1] - q[1] * p[0];
-            (vec![q[1].atan2(q[0])], vec![moment])
+            [vec![q[1].atan2(q[0])], vec![moment]]
         }
     }
 }

@@ -7,6 +7,8 @@
 
 use crate::fault::Fault;
 use crate::text::symbol;
+use End::{Periods, Time};
+use Source::{Reference, Scene};
 use equip_integrate::{Gauss, Record};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
@@ -16,8 +18,7 @@ use equip_scenes::Instance;
 pub(super) struct Entry {
     /// Name in files; the scene's with what sets it apart.
     pub(super) name: &'static str,
-    scene: Source,
-    end: End,
+    source: Source,
     /// Steps of the coarsest run with s = 4; the others follow.
     pub(super) fewest: f64,
     /// Whether it belongs to the quick report.
@@ -28,7 +29,9 @@ pub(super) struct Entry {
 
 #[derive(Debug, Clone, Copy)]
 enum Source {
-    Scene(&'static str, &'static [(&'static str, &'static str)]),
+    /// A scene with these parameters, up to a time.
+    Scene(&'static str, &'static [(&'static str, &'static str)], End),
+    /// A stored reference solution, up to its time.
     Reference(&'static str),
 }
 
@@ -36,15 +39,13 @@ enum Source {
 enum End {
     Periods(f64),
     Time(f64),
-    Reference,
 }
 
-const fn entry(name: &'static str, scene: Source, end: End, fewest: f64) -> Entry {
+const fn entry(name: &'static str, source: Source, fewest: f64) -> Entry {
     let (quick, extended) = (false, false);
     Entry {
         name,
-        scene,
-        end,
+        source,
         fewest,
         quick,
         extended,
@@ -67,57 +68,36 @@ impl Entry {
 pub(super) const ENTRIES: [Entry; 9] = [
     entry(
         "kepler-0.6",
-        Source::Scene("kepler", &[("e", "0.6")]),
-        End::Periods(10.3),
+        Scene("kepler", &[("e", "0.6")], Periods(10.3)),
         100.0,
     )
     .quick()
     .extended(),
     entry(
         "kepler-0.9",
-        Source::Scene("kepler", &[("e", "0.9")]),
-        End::Periods(3.3),
+        Scene("kepler", &[("e", "0.9")], Periods(3.3)),
         200.0,
     ),
-    entry(
-        "henon-heiles",
-        Source::Reference("henon_heiles_1_12"),
-        End::Reference,
-        80.0,
-    )
-    .quick()
-    .extended(),
+    entry("henon-heiles", Reference("henon_heiles_1_12"), 80.0)
+        .quick()
+        .extended(),
     entry(
         "pendulum",
-        Source::Scene("pendulum", &[("p", "1.5")]),
-        End::Time(50.0),
+        Scene("pendulum", &[("p", "1.5")], Time(50.0)),
         40.0,
     )
     .extended(),
-    entry(
-        "double-pendulum",
-        Source::Reference("double_pendulum"),
-        End::Reference,
-        20.0,
-    )
-    .quick(),
-    entry(
-        "outer-solar-system",
-        Source::Reference("outer_ss"),
-        End::Reference,
-        200.0,
-    ),
-    entry("fpu", Source::Scene("fpu", &[]), End::Time(20.0), 600.0),
+    entry("double-pendulum", Reference("double_pendulum"), 20.0).quick(),
+    entry("outer-solar-system", Reference("outer_ss"), 200.0),
+    entry("fpu", Scene("fpu", &[], Time(20.0)), 600.0),
     entry(
         "fput-beta",
-        Source::Scene("fput-beta", &[("n", "64")]),
-        End::Time(50.0),
+        Scene("fput-beta", &[("n", "64")], Time(50.0)),
         40.0,
     ),
     entry(
         "spring-pendulum",
-        Source::Scene("spring-pendulum", &[]),
-        End::Time(5.0),
+        Scene("spring-pendulum", &[], Time(5.0)),
         200.0,
     ),
 ];
@@ -143,14 +123,14 @@ impl<T: Float> Subject<T> {
     /// # Errors
     /// If the scene cannot be built, or integrated where its end state is not known.
     pub(super) fn new(entry: &Entry) -> Result<Self, Fault> {
-        let instance = match entry.scene {
-            Source::Scene(name, values) => equip_scenes::find(name)?.instance(values)?,
-            Source::Reference(name) => Instance::from_reference(name)?,
+        let instance = match entry.source {
+            Scene(name, values, _) => equip_scenes::find(name)?.instance(values)?,
+            Reference(name) => Instance::from_reference(name)?,
         };
-        let end = match entry.end {
-            End::Periods(n) => T::exact(n * instance.period::<f64>()),
-            End::Time(t) => T::exact(t),
-            End::Reference => instance.reference().map_or(T::NAN, |r| r.end()),
+        let end = match entry.source {
+            Scene(.., Periods(n)) => T::exact(n * instance.period::<f64>()),
+            Scene(.., Time(t)) => T::exact(t),
+            Reference(_) => instance.reference().map_or(T::NAN, |r| r.end()),
         };
         let (q, p) = instance.initial::<T>();
         let start = [q, p].concat();
@@ -202,7 +182,7 @@ fn end_state<T: Float>(
     if let Some((q, p)) = instance.flow(&(all(q), all(p)), wide(end)) {
         return Ok(([q, p].concat(), "exact flow of the start".into()));
     }
-    if let (Some(reference), End::Reference) = (instance.reference(), entry.end) {
+    if let (Some(reference), Reference(_)) = (instance.reference(), entry.source) {
         let (q, p) = reference.state();
         return Ok((
             [q, p].concat(),

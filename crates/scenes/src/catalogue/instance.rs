@@ -1,11 +1,11 @@
 //! [`Instance`]: a scene with its parameters filled in, ready to be integrated.
 
-use super::any_model::AnyModel;
+use super::any_model::{AnyModel, with_model};
 use super::reference::{Reference, reference_names};
 use super::scene::{Scene, find};
 use crate::error::SceneError;
 use crate::invariant::Invariant;
-use crate::model::{Units, View};
+use crate::model::{Model, Units, View, momenta};
 use crate::parameter::Value;
 use crate::reading::read_all;
 use crate::reference::{self, Doubles, ReferenceData};
@@ -42,13 +42,13 @@ impl Scene {
     pub fn instance(&'static self, values: &[(&str, &str)]) -> Result<Instance, SceneError> {
         let values = read_all(self.name, self.parameters, values)?;
         let model = (self.build)(&values);
-        model.check()?;
+        with_model!(&model, m => m.check())?;
         Ok(Instance {
             scene: self,
             values,
             start: None,
-            hamiltonian: model.record()?,
-            invariants: model.invariants()?,
+            hamiltonian: with_model!(&model, m => m.hamiltonian())?,
+            invariants: with_model!(&model, m => m.invariants())?,
             model,
         })
     }
@@ -92,10 +92,10 @@ impl Instance {
     /// (q₀, p₀), every root and ratio computed in `T`.
     pub fn initial<T: Float>(&self) -> (Vec<T>, Vec<T>) {
         match self.start {
-            None => self.model.initial(),
+            None => with_model!(&self.model, m => m.initial()),
             Some(Doubles { q, v }) => (
                 q.iter().map(|&q| T::exact(q)).collect(),
-                self.model.momenta(v.iter().map(|&v| T::exact(v))),
+                with_model!(&self.model, m => momenta(m, v.iter().map(|&v| T::exact(v)))),
             ),
         }
     }
@@ -107,17 +107,17 @@ impl Instance {
 
     /// The natural unit of time: orbital period, 2π/ω, or what the scene's page names.
     pub fn period<T: Float>(&self) -> T {
-        self.model.period(&self.initial())
+        with_model!(&self.model, m => m.period(&self.initial()))
     }
 
     /// A fixed step at which a method of order 8 resolves the motion.
     pub fn suggested_step(&self) -> f64 {
-        self.model.step()
+        with_model!(&self.model, m => m.step())
     }
 
     /// An end time worth a picture.
     pub fn suggested_end(&self) -> f64 {
-        self.model.end()
+        with_model!(&self.model, m => m.end())
     }
 
     /// The exact state at time `t`, where a closed form is known: cost of a few dozen elementary functions in
@@ -127,8 +127,8 @@ impl Instance {
     /// f64; to measure its error alone use [`flow`](Self::flow) in a wider type, from that start.
     pub fn exact<T: Float>(&self, t: T) -> Option<(Vec<T>, Vec<T>)> {
         match self.start {
-            None => self.model.exact(t),
-            Some(_) => self.model.flow(&self.initial(), t),
+            None => with_model!(&self.model, m => m.exact(t)),
+            Some(_) => self.flow(&self.initial(), t),
         }
     }
 
@@ -138,7 +138,7 @@ impl Instance {
     /// # Panics
     /// If q or p is shorter than the degrees of freedom.
     pub fn flow<T: Float>(&self, start: &(Vec<T>, Vec<T>), t: T) -> Option<(Vec<T>, Vec<T>)> {
-        self.model.flow(start, t)
+        with_model!(&self.model, m => m.flow(start, t))
     }
 
     /// The stored reference solution with these parameters and this start, if there is one.
@@ -152,12 +152,12 @@ impl Instance {
 
     /// The units that its numbers are in.
     pub fn units(&self) -> Units {
-        self.model.units()
+        with_model!(&self.model, m => m.units())
     }
 
     /// What to draw.
     pub fn view(&self) -> View {
-        self.model.view()
+        with_model!(&self.model, m => m.view())
     }
 
     fn is_start_of(&self, data: &ReferenceData) -> bool {

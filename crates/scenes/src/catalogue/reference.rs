@@ -1,7 +1,7 @@
 //! [`Reference`]: a stored end state, computed once with more digits than any run here.
 
-use super::any_model::AnyModel;
-use crate::model::read;
+use super::any_model::{AnyModel, with_model};
+use crate::model::{momenta, read};
 use crate::reference::{self, End, ReferenceData};
 use equip_scalar::Float;
 
@@ -30,7 +30,7 @@ impl Reference<'_> {
     pub fn state<T: Float>(&self) -> (Vec<T>, Vec<T>) {
         let q = self.data.q.iter().map(|text| read(text)).collect();
         let velocities = self.data.v.iter().map(|text| read(text));
-        (q, self.model.momenta(velocities))
+        (q, with_model!(self.model, m => momenta(m, velocities)))
     }
 
     /// H along the solution.
