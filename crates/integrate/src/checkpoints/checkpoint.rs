@@ -9,14 +9,14 @@
 
 use crate::checkpoints::checksum;
 use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::{ChaosMemory, ControlMemory};
+use crate::checkpoints::memory::Numbers;
 use crate::error::IntegrateError;
 use crate::options::common::in_digits;
 use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of the content of a checkpoint.
-pub(crate) const FORMAT: u32 = 13;
+pub(crate) const FORMAT: u32 = 14;
 
 /// The state of a run after one of its steps. The run can be resumed from it bit for bit.
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint) makes a checkpoint; `resume` and `integrate_from` with
@@ -50,35 +50,15 @@ pub struct Checkpoint {
     pub(crate) start: Exact,
     pub(crate) start_state: Vec<Exact>,
     pub(crate) time: Exact,
-    pub(crate) time_low: Exact,
     pub(crate) index: u64,
-    /// The direction of the run, and its position on the grid of time.
-    pub(crate) goes_back: bool,
-    pub(crate) grid_start: Exact,
-    pub(crate) place: i64,
-    pub(crate) high: Vec<Exact>,
-    pub(crate) low: Vec<Exact>,
-    pub(crate) energy_reference: Exact,
-    /// The energy if it is measured, then the invariants: initial value, largest and last error of each.
-    pub(crate) errors: Vec<[Exact; 3]>,
-    pub(crate) in_levels: Option<Exact>,
-    /// The round-off level of the energy; angle and step size of the largest phase per step.
-    pub(crate) energy_round_off: Option<[Exact; 6]>,
-    pub(crate) phase_per_step: Option<[Exact; 2]>,
-    pub(crate) round_off: Option<Exact>,
-    pub(crate) alpha_range: Vec<[Exact; 2]>,
-    pub(crate) last_step: Exact,
     pub(crate) last_outcome: Outcome,
     pub(crate) counts: Counts,
-    pub(crate) switches_crossed: u64,
-    /// The number of jumps of H, and the largest jump.
-    pub(crate) energy_jumps: Option<(u64, Exact)>,
-    pub(crate) seconds: Exact,
+    /// State, references, measurements, and the memory of step control.
+    pub(crate) run: Numbers,
     /// The memory of the solver.
-    pub(crate) solver: Vec<(String, Vec<Exact>)>,
-    pub(crate) control: Option<ControlMemory>,
+    pub(crate) solver: Numbers,
     /// The tangent vector that is propagated.
-    pub(crate) chaos: Option<ChaosMemory>,
+    pub(crate) chaos: Option<Numbers>,
     /// The checksum of all other fields.
     pub(crate) checksum: String,
 }
@@ -191,13 +171,6 @@ impl Checkpoint {
         Exact::read_all(&self.start_state, &mut q, "the start")?;
         let p = q.split_off(q.len() / 2);
         Ok((q, p))
-    }
-
-    /// The memory of step control.
-    pub(crate) fn control<T: Float>(&self) -> Result<&ControlMemory, IntegrateError<T>> {
-        let what = "the memory of step control";
-        let damaged = IntegrateError::CheckpointDamaged { what };
-        self.control.as_ref().ok_or(damaged)
     }
 }
 

@@ -3,4 +3,4 @@
 pub(crate) mod checkpoint;
 pub(crate) mod checksum;
 pub(crate) mod exact;
-pub(crate) mod memories;
+pub(crate) mod memory;

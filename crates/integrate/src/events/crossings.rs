@@ -11,11 +11,11 @@
 //! same on both: {g, gK} = g{g, K} = 0 for g = 0. So a motion that meets a switch with ġ ≠ 0 crosses it, and
 //! no motion slides along it. If ġ is rounding too, the side is that of the first stage.
 
+use crate::checkpoints::memory::Memory;
 use crate::control::estimate::Decay;
 use crate::control::policy::{BESIDE, MOST_TRIES, ROUNDING, SOON};
 use crate::events::path::{Path, Place};
 use crate::events::roughness::Roughness;
-use crate::events::switch_memory::SwitchMemory;
 use equip_autodiff::{SwitchKind, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
@@ -179,22 +179,15 @@ impl<T: Float> Crossings<T> {
         }
     }
 
-    /// The state of the switches for the next step, for a checkpoint.
-    pub(crate) fn memory(&self) -> SwitchMemory {
-        SwitchMemory {
-            sides: self.sides.clone(),
-            is_among_knots: self.is_among_knots,
+    /// Writes or reads the state of the switches for the next step.
+    pub(crate) fn remember(&mut self, memory: &mut Memory<'_>) {
+        for side in &mut self.sides {
+            let sign = side.map(|sign| [T::int(sign.into())]);
+            let sign = memory.optional("the sides of the switches", sign);
+            *side = sign.map(|[sign]| sign.to_f64() as i8);
         }
-    }
-
-    /// Restores the state from a checkpoint. Returns whether the number of switches agrees.
-    pub(crate) fn restore(&mut self, memory: &SwitchMemory) -> bool {
-        let fits = memory.sides.len() == self.sides.len();
-        if fits {
-            self.sides.copy_from_slice(&memory.sides);
-            self.is_among_knots = memory.is_among_knots;
-        }
-        fits
+        let is_among_knots = i64::from(self.is_among_knots);
+        self.is_among_knots = memory.whole::<T>("the knots", is_among_knots) != 0;
     }
 
     /// Whether a step without sign changes may cross two knots.

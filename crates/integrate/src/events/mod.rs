@@ -6,5 +6,4 @@ pub(crate) mod narrow;
 pub(crate) mod path;
 pub(crate) mod roots;
 pub(crate) mod roughness;
-pub(crate) mod switch_memory;
 pub(crate) mod watch;

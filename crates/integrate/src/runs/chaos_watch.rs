@@ -1,6 +1,7 @@
 //! The tangent vector that a complete run propagates, if requested.
 
 use crate::checkpoints::checkpoint::Checkpoint;
+use crate::checkpoints::memory::Memory;
 use crate::error::IntegrateError;
 use crate::options::common::Options;
 use crate::steppers::integration::Integration;
@@ -31,8 +32,10 @@ pub(crate) fn chaos_of_run<T: Float>(
         return Ok(None);
     }
     let mut chaos = Chaos::of(system, run, &any_tangent_vector(2 * run.m));
-    if let Some(memory) = from.and_then(|from| from.chaos.as_ref()) {
-        chaos.restore(memory)?;
+    if let Some(numbers) = from.and_then(|from| from.chaos.as_ref()) {
+        let mut memory = Memory::to_read(numbers);
+        chaos.remember(&mut memory);
+        memory.check()?;
     }
     Ok(Some(chaos))
 }

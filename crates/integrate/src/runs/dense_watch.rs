@@ -7,12 +7,12 @@ use crate::dense::trajectory::Trajectory;
 use crate::error::IntegrateError;
 use crate::events::watch::EventWatch;
 use crate::options::common::Options;
+use crate::runs::events_at::EventsAt;
 use crate::runs::run::Run;
 use crate::steppers::integration::Integration;
 use crate::time::direction::TimeDirection;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
-use std::ops::ControlFlow;
 
 /// Dense output of a run; exists only if requested.
 #[derive(Debug)]
@@ -52,24 +52,22 @@ impl<T: Float> DenseWatch<T> {
         }))
     }
 
-    /// Processes the last step of `stepper`, which began at a time with the rounding remainder `time_low`.
-    /// Breaks with time and state of an event that ends the run or changes its state.
+    /// Processes the last step of `stepper`, which began at a time with the rounding remainder `time_low`, up
+    /// to events that end the run or change its state.
     pub(crate) fn see(
         &mut self,
         stepper: &Integration<T>,
         time_low: T,
         run: &mut Run<T>,
-    ) -> Result<ControlFlow<(T, &[T])>, IntegrateError<T>> {
-        let parts = stepper.parts();
-        for (i, part) in parts.iter().enumerate() {
-            let next = parts.get(i + 1);
-            let mut end = next.map_or(stepper.time(), |next| next.time);
+    ) -> Result<Option<EventsAt<'_, T>>, IntegrateError<T>> {
+        let ends = stepper.parts().iter().skip(1).map(|next| next.time);
+        let ends = ends.chain(std::iter::once(stepper.time()));
+        for ((part, end_state), mut end) in stepper.parts_to_ends().zip(ends) {
             let is_due = |&t: &T| stepper.direction.is_before(t, end);
             let due = self.times.get(self.done).is_some_and(is_due);
             if !due && self.trajectory.is_none() && self.events.is_none() {
                 continue;
             }
-            let end_state = next.map_or(&stepper.y, |next| &next.start);
             let part = (stepper.core.method(), part);
             let (piece, is_refined) = self.refiner.refine(part, time_low, end_state);
             run.certificate.coarse_outputs += u64::from(!is_refined);
@@ -89,15 +87,16 @@ impl<T: Float> DenseWatch<T> {
                 trajectory.end_at(end);
             }
             if stop.is_some() {
-                return Ok(ControlFlow::Break((end, &self.y)));
+                let y = &self.y;
+                let at = |events| EventsAt {
+                    events,
+                    time: end,
+                    y,
+                };
+                return Ok(self.events.as_mut().map(at));
             }
         }
-        Ok(ControlFlow::Continue(()))
-    }
-
-    /// The events at which `see` has broken off: what they change and end.
-    pub(crate) fn events(&mut self) -> Option<&mut EventWatch<T>> {
-        self.events.as_mut()
+        Ok(None)
     }
 
     fn outputs(

@@ -1,10 +1,12 @@
 //! The loop of a complete run, the same for fixed and for variable steps: step → dense output and events →
 //! observer → store.
 
+use crate::checkpoints::memory::{Memory, Numbers};
 use crate::error::IntegrateError;
 use crate::events::watch::CLOSEST;
 use crate::options::record::Record;
 use crate::runs::dense_watch::DenseWatch;
+use crate::runs::events_at::EventsAt;
 use crate::runs::observer::Observer;
 use crate::runs::outputs::Outputs;
 use crate::runs::run::{Run, RunFailure};
@@ -66,40 +68,13 @@ fn watch<T: Float>(
             run.certificate.chaos = Some(chaos.indicators());
         }
         if let Some(dense) = &mut watchers.dense
-            && let ControlFlow::Break((time, y)) = dense.see(stepper, time_low, run)?
+            && let Some(at) = dense.see(stepper, time_low, run)?
         {
-            let (before, mut state) = (y.to_vec(), y.to_vec());
-            let Some(events) = dense.events() else {
-                continue;
-            };
-            if events.change(time, &mut state) == ControlFlow::Break(()) {
-                run.end_at(time, &state, stepper);
+            if act(at, steps, run, &mut changed)?.is_break() {
                 return Ok(());
-            }
-            let event = events.changing();
-            events.continue_changed(time);
-            run.drop_outputs_beyond(time, stepper);
-            if let Err(cause) = steps.kick(state.split_at(state.len() / 2), time) {
-                run.end_at(time, &before, &steps.inner);
-                return Err(IntegrateError::ChangedState {
-                    event,
-                    time,
-                    cause: cause.to_string(),
-                });
             }
             if let Some(outputs) = &mut watchers.outputs {
                 outputs.rewind(run);
-            }
-            let since = changed.replace(time).map(|before| (time - before).abs());
-            let closest = T::int(CLOSEST) * T::EPSILON * time.abs();
-            if let Some(interval) = since.filter(|&since| since <= closest) {
-                return Err(IntegrateError::ChangedState {
-                    event,
-                    time,
-                    cause: format!(
-                        "its roots accumulate, the last change was {interval:e} before; end the run before that time, or at a root (`terminal`)"
-                    ),
-                });
             }
         }
         let stepper = &steps.inner;
@@ -110,7 +85,10 @@ fn watch<T: Float>(
         let mut stop = observer.step(&view) == ControlFlow::Break(());
         if observer.wants_checkpoint() {
             let mut checkpoint = steps.checkpoint();
-            checkpoint.chaos = watchers.chaos.as_ref().map(Chaos::memory);
+            if let Some(chaos) = &mut watchers.chaos {
+                let numbers = checkpoint.chaos.insert(Numbers::new());
+                chaos.remember(&mut Memory::to_write(numbers));
+            }
             checkpoint.seal();
             stop |= observer.checkpoint(checkpoint) == ControlFlow::Break(());
         }
@@ -131,4 +109,37 @@ fn watch<T: Float>(
         dense.last_outputs(stepper, run);
     }
     Ok(())
+}
+
+/// Lets events end the run, or change its state, as they last `changed` it.
+fn act<T: Float>(
+    at: EventsAt<'_, T>,
+    steps: &mut Stepper<T>,
+    run: &mut Run<T>,
+    changed: &mut Option<T>,
+) -> Result<ControlFlow<()>, IntegrateError<T>> {
+    let (time, before, event) = (at.time, at.y.to_vec(), at.events.changing());
+    match at.act(steps) {
+        Ok(ControlFlow::Continue(())) => run.drop_outputs_beyond(time, &steps.inner),
+        Ok(ControlFlow::Break(state)) => {
+            run.end_at(time, &state, &steps.inner);
+            return Ok(ControlFlow::Break(()));
+        }
+        Err(error) => {
+            run.end_at(time, &before, &steps.inner);
+            return Err(error);
+        }
+    }
+    let since = changed.replace(time).map(|before| (time - before).abs());
+    let closest = T::int(CLOSEST) * T::EPSILON * time.abs();
+    match since.filter(|&since| since <= closest) {
+        Some(interval) => Err(IntegrateError::ChangedState {
+            event,
+            time,
+            cause: format!(
+                "its roots accumulate, the last change was {interval:e} before; end the run before that time, or at a root (`terminal`)"
+            ),
+        }),
+        None => Ok(ControlFlow::Continue(())),
+    }
 }

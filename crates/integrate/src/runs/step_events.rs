@@ -4,10 +4,10 @@ use crate::dense::refine::Refiner;
 use crate::error::IntegrateError;
 use crate::events::watch::EventWatch;
 use crate::options::event::{Event, Occurrence};
+use crate::runs::events_at::EventsAt;
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
-use std::ops::ControlFlow;
 
 /// The events along a run that the caller advances step by step.
 ///
@@ -78,7 +78,6 @@ impl<T: Float> StepEvents<T> {
         let made = run.inner.index;
         let steps = made.checked_sub(index).unwrap_or(made);
         let stepper = &run.inner;
-        let parts = stepper.parts();
         match steps {
             0 => return Ok(&self.found),
             1 => {}
@@ -87,13 +86,12 @@ impl<T: Float> StepEvents<T> {
         self.events.go(stepper.direction);
         let mut time_low = low;
         // A run that was restarted begins at another time.
-        if let Some(first) = parts.first().filter(|part| part.time != end) {
+        if let Some(first) = stepper.parts().first().filter(|part| part.time != end) {
             self.events.begin(first.time);
             time_low = T::int(0);
         }
         let mut ended = None;
-        for (i, part) in parts.iter().enumerate() {
-            let end = parts.get(i + 1).map_or(&stepper.y, |next| &next.start);
+        for (part, end) in stepper.parts_to_ends() {
             let part = (stepper.core.method(), part);
             let (piece, _) = self.refiner.refine(part, time_low, end);
             if let Some(place) = self.events.see(&piece, &mut self.found)? {
@@ -103,17 +101,10 @@ impl<T: Float> StepEvents<T> {
                 break;
             }
         }
-        if let Some((time, mut y)) = ended
-            && self.events.change(time, &mut y) == ControlFlow::Continue(())
-        {
-            let half = run.inner.m;
-            run.kick(y.split_at(half), time)
-                .map_err(|cause| IntegrateError::ChangedState {
-                    event: self.events.changing(),
-                    time,
-                    cause: cause.to_string(),
-                })?;
-            self.events.continue_changed(time);
+        if let Some((time, y)) = &ended {
+            let (time, events) = (*time, &mut self.events);
+            // If its action breaks, the run stays at the end of its step.
+            let _ = EventsAt { events, time, y }.act(run)?;
         }
         self.seen = (made, run.time(), run.control.time_low());
         Ok(&self.found)

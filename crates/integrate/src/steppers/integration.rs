@@ -115,6 +115,12 @@ impl<T: Float> Integration<T> {
         in_parts.unwrap_or(self.core.parts())
     }
 
+    /// The same parts, each with the state at its end.
+    pub(crate) fn parts_to_ends(&self) -> impl Iterator<Item = (&Part<T>, &State<T>)> {
+        let starts = self.parts().iter().map(|part| &part.start);
+        (self.parts().iter()).zip(starts.skip(1).chain(std::iter::once(&self.y)))
+    }
+
     /// Attempts a step of size `h`, which may still be rejected.
     pub(crate) fn attempt(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
         if self.check_gradient && self.index.is_power_of_two() {

@@ -1,6 +1,6 @@
 //! [`StepControl`]: the rule for the sizes of steps.
 
-use crate::checkpoints::checkpoint::Checkpoint;
+use crate::checkpoints::memory::Memory;
 use crate::error::IntegrateError;
 use crate::steppers::integration::Integration;
 use crate::time::direction::TimeDirection;
@@ -21,18 +21,9 @@ pub(crate) trait StepControl<T: Float>: fmt::Debug + Send + Sync {
         towards: Option<T>,
     ) -> Result<(), IntegrateError<T>>;
 
-    /// Restores the state of the run of `checkpoint`. `run` has begun at the initial state of that run.
-    ///
-    /// # Errors
-    /// If the checkpoint is damaged.
-    fn restore(
-        &mut self,
-        run: &mut Integration<T>,
-        checkpoint: &Checkpoint,
-    ) -> Result<(), IntegrateError<T>>;
-
-    /// Writes the memory of step control to the checkpoint of the run.
-    fn remember(&self, run: &Integration<T>, checkpoint: &mut Checkpoint);
+    /// Writes the memory of step control to the checkpoint of the run, or reads it. The run has been restored
+    /// before.
+    fn remember(&mut self, run: &mut Integration<T>, memory: &mut Memory<'_>);
 
     /// Steps must meet this time from now on.
     ///

@@ -1,6 +1,7 @@
 //! [`Stepper`]: a run one step at a time.
 
 use crate::checkpoints::checkpoint::Checkpoint;
+use crate::checkpoints::memory::Memory;
 use crate::error::IntegrateError;
 use crate::report::certificate::Certificate;
 use crate::steppers::integration::Integration;
@@ -113,7 +114,8 @@ impl<T: Float> Stepper<T> {
     /// The present state of the run, to be resumed with the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let mut checkpoint = self.inner.checkpoint();
-        self.control.remember(&self.inner, &mut checkpoint);
+        let mut memory = Memory::to_write(&mut checkpoint.run);
+        self.control.remember(&mut self.inner, &mut memory);
         checkpoint.seal();
         checkpoint
     }

@@ -13,8 +13,7 @@
 //! The integral is a sum over the steps, with the growth of each step at its middle. Its error is O(h²) of
 //! the growth, which is sufficient.
 
-use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::ChaosMemory;
+use crate::checkpoints::memory::Memory;
 use crate::error::IntegrateError;
 use crate::report::chaos_indicators::ChaosIndicators;
 use crate::steppers::integration::Integration;
@@ -125,26 +124,11 @@ pub(crate) fn any_tangent_vector<T: Float>(n: usize) -> Vec<T> {
 }
 
 impl<T: Float> Chaos<T> {
-    /// Restores the tangent vector and its sums from a checkpoint.
-    pub(crate) fn restore(&mut self, memory: &ChaosMemory) -> Result<(), IntegrateError<T>> {
-        Exact::read_all(&memory.deviation, &mut self.deviation, "the deviation")?;
-        let what = "the deviation";
-        if self.deviation.iter().any(|x| !x.is_finite()) {
-            return Err(IntegrateError::CheckpointDamaged { what });
-        }
-        self.elapsed = memory.elapsed.read_finite(what)?;
-        let [growth, weighted, sum] = &memory.sums;
-        self.growth = growth.read_finite(what)?;
-        self.weighted = weighted.read_finite(what)?;
-        self.sum = sum.read_finite(what)?;
-        Ok(())
-    }
-
-    pub(crate) fn memory(&self) -> ChaosMemory {
-        ChaosMemory {
-            elapsed: Exact::of(self.elapsed),
-            sums: [self.growth, self.weighted, self.sum].map(Exact::of),
-            deviation: Exact::all(&self.deviation),
-        }
+    /// Writes the tangent vector and its sums to a checkpoint, or reads them.
+    pub(crate) fn remember(&mut self, memory: &mut Memory<'_>) {
+        memory.finite("the deviation", &mut self.deviation);
+        let mut sums = [self.elapsed, self.growth, self.weighted, self.sum];
+        memory.finite("the sums of the deviation", &mut sums);
+        [self.elapsed, self.growth, self.weighted, self.sum] = sums;
     }
 }

@@ -1,8 +1,6 @@
 //! Runs by a tolerance: start, end, reversal and resumption.
 
-use crate::checkpoints::checkpoint::Checkpoint;
-use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::ControlMemory;
+use crate::checkpoints::memory::Memory;
 use crate::control::controller::Control;
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
@@ -18,6 +16,7 @@ use crate::steppers::sizes::adaptive_steps::AdaptiveSteps;
 use crate::steppers::step_control::{StepControl, way};
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
+use std::slice::from_mut;
 
 impl<T: Float> AdaptiveSteps<T> {
     pub(super) fn new(
@@ -76,36 +75,28 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
         Ok(())
     }
 
-    fn restore(
-        &mut self,
-        run: &mut Integration<T>,
-        checkpoint: &Checkpoint,
-    ) -> Result<(), IntegrateError<T>> {
-        self.take_gradient(run);
-        let memory = checkpoint.control()?;
-        self.time_low = checkpoint.time_low.read_finite("the time")?;
-        let what = "the memory of step control";
-        self.control.next = memory.next.read_finite::<T>(what)?.to_f64();
-        self.tries = memory.tries;
-        run.measured.variable = Some(memory.variable_steps(self.tolerance)?);
-        let fits = match &mut self.crossings {
-            Some(crossings) => crossings.restore(&memory.switches),
-            None => memory.switches.sides.is_empty(),
-        };
-        if fits {
-            Ok(())
-        } else {
-            Err(IntegrateError::CheckpointDamaged { what })
+    fn remember(&mut self, run: &mut Integration<T>, memory: &mut Memory<'_>) {
+        memory.finite(
+            "the rounding remainder of the time",
+            from_mut(&mut self.time_low),
+        );
+        let mut next = T::exact(self.control.next);
+        memory.finite("the next step", from_mut(&mut next));
+        self.control.next = next.to_f64();
+        let tries = self.tries.map(|tries| [T::int(tries.into())]);
+        let tries = memory.optional("the attempts of the first step", tries);
+        self.tries = tries.map(|[tries]| tries.to_f64() as u32);
+        if let Some(steps) = &mut run.measured.variable {
+            let mut sizes = [steps.smallest, steps.largest];
+            memory.any("the sizes of the steps", &mut sizes);
+            [steps.smallest, steps.largest] = sizes;
+            for count in [&mut steps.rejected, &mut steps.failed] {
+                *count = memory.whole::<T>("the steps not accepted", *count as i64) as u64;
+            }
         }
-    }
-
-    fn remember(&self, run: &Integration<T>, checkpoint: &mut Checkpoint) {
-        let switches = self.crossings.as_ref().map(Crossings::memory);
-        let switches = switches.unwrap_or_default();
-        let size = (Exact::of(self.control.next), self.tries);
-        checkpoint.time_low = Exact::of(self.time_low);
-        let steps = run.measured.variable.as_ref();
-        checkpoint.control = steps.map(|steps| ControlMemory::of(steps, size, switches));
+        if let Some(crossings) = &mut self.crossings {
+            crossings.remember(memory);
+        }
     }
 
     fn set_end(&mut self, _: &Integration<T>, end: T) -> Result<(), IntegrateError<T>> {

@@ -1,13 +1,13 @@
 //! [`FixedSteps`]: steps of one size on a grid of time.
 
-use crate::checkpoints::checkpoint::Checkpoint;
-use crate::checkpoints::exact::Exact;
+use crate::checkpoints::memory::Memory;
 use crate::error::IntegrateError;
 use crate::steppers::integration::Integration;
 use crate::steppers::sizes::grid::{Grid, is_same_time};
 use crate::steppers::step_control::{StepControl, way};
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
+use std::slice::from_mut;
 
 /// The grid t_g + n h.
 #[derive(Debug)]
@@ -82,19 +82,9 @@ impl<T: Float> StepControl<T> for FixedSteps<T> {
         Ok(())
     }
 
-    fn restore(
-        &mut self,
-        _: &mut Integration<T>,
-        checkpoint: &Checkpoint,
-    ) -> Result<(), IntegrateError<T>> {
-        self.start = checkpoint.grid_start.read_finite("the time")?;
-        self.place = checkpoint.place;
-        Ok(())
-    }
-
-    fn remember(&self, _: &Integration<T>, checkpoint: &mut Checkpoint) {
-        checkpoint.grid_start = Exact::of(self.start);
-        checkpoint.place = self.place;
+    fn remember(&mut self, _: &mut Integration<T>, memory: &mut Memory<'_>) {
+        memory.finite("the start of the grid", from_mut(&mut self.start));
+        self.place = memory.whole::<T>("the place on the grid", self.place);
     }
 
     fn set_end(&mut self, run: &Integration<T>, end: T) -> Result<(), IntegrateError<T>> {

@@ -1,6 +1,7 @@
 //! A stepper with the step control of an integrator.
 
 use crate::checkpoints::checkpoint::Checkpoint;
+use crate::checkpoints::memory::Memory;
 use crate::error::IntegrateError;
 use crate::options::integrator::{Integrator, StepSizes};
 use crate::steppers::integration::Integration;
@@ -52,8 +53,11 @@ impl<T: Float> Stepper<T> {
         stepper.begin((&q, &p), t0, None)?;
         let Stepper { inner, control } = &mut stepper;
         inner.check_functions(checkpoint)?;
-        inner.restore_from(checkpoint)?;
-        control.restore(inner, checkpoint)?;
+        let mut memory = Memory::to_read(&checkpoint.run);
+        inner.restore_from(checkpoint, &mut memory)?;
+        control.at_another_state(inner);
+        control.remember(inner, &mut memory);
+        memory.check()?;
         Ok(stepper)
     }
 }
