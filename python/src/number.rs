@@ -43,16 +43,11 @@ impl Number for DoubleDouble {
     }
 }
 
-/// Upper and lower words of numbers.
-pub(crate) fn words<T: Number>(numbers: impl Iterator<Item = T>) -> (Vec<f64>, Vec<f64>) {
-    numbers.map(|x| (x.high(), x.low())).unzip()
-}
-
-/// The same as arrays.
+/// Upper and lower words of numbers, as arrays.
 pub(crate) fn arrays<'py, T: Number>(
     py: Python<'py>,
     numbers: impl Iterator<Item = T>,
 ) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
-    let (high, low) = words(numbers);
+    let (high, low): (Vec<f64>, Vec<f64>) = numbers.map(|x| (x.high(), x.low())).unzip();
     (high.into_pyarray(py), low.into_pyarray(py))
 }

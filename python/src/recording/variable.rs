@@ -1,5 +1,7 @@
 //! [`Variable`]: a component of q or p, or what is computed of them, while H(q, p) is recorded.
 
+#![allow(unsafe_op_in_unsafe_fn)] // In the code that `pymethods` makes of operators within a macro.
+
 use crate::recording::condition::Condition;
 use crate::recording::constant::constant;
 use equip::prelude::{DoubleDouble, Var};
@@ -127,6 +129,19 @@ impl Variable {
             None => Ok(py.NotImplemented()),
         }
     }
+
+    /// The same for a divisor, which is not the constant 0.
+    fn divide(
+        &self,
+        divisor: &Bound<'_, PyAny>,
+        f: impl FnOnce(Var, Var) -> Var,
+    ) -> PyResult<Py<PyAny>> {
+        let is_constant = !divisor.is_instance_of::<Variable>();
+        if is_constant && constant(divisor)?.is_some_and(|c| c.to::<f64>() == 0.0) {
+            return Err(PyValueError::new_err(BY_ZERO));
+        }
+        self.with(divisor, f)
+    }
 }
 
 /// A variable of the recording under way, or a constant; `None` for what is neither.
@@ -134,18 +149,6 @@ pub(crate) fn number(x: &Bound<'_, PyAny>) -> PyResult<Option<Var>> {
     match x.cast::<Variable>() {
         Ok(x) => x.get().here().map(Some),
         Err(_) => Ok(constant(x)?.map(Var::from)),
-    }
-}
-
-/// Refuses the constant 0.
-fn check_divisor(divisor: &Bound<'_, PyAny>) -> PyResult<()> {
-    let divisor = match divisor.is_instance_of::<Variable>() {
-        true => None,
-        false => constant(divisor)?,
-    };
-    match divisor.is_some_and(|c| c.to::<f64>() == 0.0) {
-        true => Err(PyValueError::new_err(BY_ZERO)),
-        false => Ok(()),
     }
 }
 
@@ -157,6 +160,16 @@ fn trunc(x: Var) -> Var {
 /// The nearest integer, of two the larger one: that of even ones only is another function at single points.
 fn nearest(x: Var) -> Var {
     floor(x + Var::from(0.5))
+}
+
+/// The remainder with the sign of y.
+fn remainder(x: Var, y: Var) -> Var {
+    x - floor(x / y) * y
+}
+
+/// The remainder with the sign of x.
+fn truncated_remainder(x: Var, y: Var) -> Var {
+    x - trunc(x / y) * y
 }
 
 /// Refuses the third argument of `pow`.
@@ -188,150 +201,98 @@ pub(crate) fn call(
     Ok(call.call1((function, arguments, keywords))?.unbind())
 }
 
+/// Methods that are functions of one number.
+macro_rules! functions {
+    ($($name:ident = $f:expr;)*) => {
+        #[pymethods]
+        impl Variable {
+            $(fn $name(&self) -> PyResult<Self> {
+                self.map($f)
+            })*
+        }
+    };
+}
+
+functions! {
+    sqrt = Var::sqrt;
+    exp = Var::exp;
+    expm1 = Var::exp_m1;
+    log = Var::ln;
+    log1p = Var::ln_1p;
+    sin = Var::sin;
+    cos = Var::cos;
+    tan = Var::tan;
+    arcsin = Var::asin;
+    arccos = Var::acos;
+    arctan = Var::atan;
+    sinh = Var::sinh;
+    cosh = Var::cosh;
+    tanh = Var::tanh;
+    fabs = Var::abs;
+    __abs__ = Var::abs;
+    reciprocal = Var::recip;
+    log2 = |x| x.ln() / known(LN_2);
+    log10 = Var::log10;
+    exp2 = Var::exp2;
+    cbrt = Var::cbrt;
+    arcsinh = Var::asinh;
+    arccosh = Var::acosh;
+    arctanh = Var::atanh;
+    erf = Var::erf;
+    erfc = Var::erfc;
+    sign = Var::signum;
+    deg2rad = |x| known(DEGREE) * x;
+    rad2deg = |x| known(RADIAN) * x;
+    square = |x| x * x;
+    floor = floor;
+    __floor__ = floor;
+    ceil = |x| -floor(-x);
+    __ceil__ = |x| -floor(-x);
+    trunc = trunc;
+    __trunc__ = trunc;
+    rint = nearest;
+    __neg__ = |x| -x;
+    __pos__ = |x| x;
+    conjugate = |x| x;
+    item = |x| x;
+}
+
+/// Methods that are functions of two numbers. Those that divide by the second one refuse the constant 0.
+macro_rules! functions_of_two {
+    ($($name:ident = $with:ident($f:expr);)*) => {
+        #[pymethods]
+        impl Variable {
+            $(fn $name(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+                self.$with(other, $f)
+            })*
+        }
+    };
+}
+
+functions_of_two! {
+    __add__ = with(|x, y| x + y);
+    __radd__ = with(|x, y| y + x);
+    __sub__ = with(|x, y| x - y);
+    __rsub__ = with(|x, y| y - x);
+    __mul__ = with(|x, y| x * y);
+    __rmul__ = with(|x, y| y * x);
+    __truediv__ = divide(|x, y| x / y);
+    __rtruediv__ = with(|x, y| y / x);
+    __mod__ = divide(remainder);
+    __rmod__ = with(|x, y| remainder(y, x));
+    __floordiv__ = divide(|x, y| floor(x / y));
+    __rfloordiv__ = with(|x, y| floor(y / x));
+    fmod = divide(truncated_remainder);
+    fmod_of = with(|x, y| truncated_remainder(y, x));
+    minimum = with(Var::min);
+    maximum = with(Var::max);
+    hypot = with(Var::hypot);
+    arctan2 = with(Var::atan2);
+    arctan2_of = with(|x, y| y.atan2(x));
+}
+
 #[pymethods]
 impl Variable {
-    fn sqrt(&self) -> PyResult<Self> {
-        self.map(Var::sqrt)
-    }
-    fn exp(&self) -> PyResult<Self> {
-        self.map(Var::exp)
-    }
-    fn expm1(&self) -> PyResult<Self> {
-        self.map(Var::exp_m1)
-    }
-    fn log(&self) -> PyResult<Self> {
-        self.map(Var::ln)
-    }
-    fn log1p(&self) -> PyResult<Self> {
-        self.map(Var::ln_1p)
-    }
-    fn sin(&self) -> PyResult<Self> {
-        self.map(Var::sin)
-    }
-    fn cos(&self) -> PyResult<Self> {
-        self.map(Var::cos)
-    }
-    fn tan(&self) -> PyResult<Self> {
-        self.map(Var::tan)
-    }
-    fn arcsin(&self) -> PyResult<Self> {
-        self.map(Var::asin)
-    }
-    fn arccos(&self) -> PyResult<Self> {
-        self.map(Var::acos)
-    }
-    fn arctan(&self) -> PyResult<Self> {
-        self.map(Var::atan)
-    }
-    fn sinh(&self) -> PyResult<Self> {
-        self.map(Var::sinh)
-    }
-    fn cosh(&self) -> PyResult<Self> {
-        self.map(Var::cosh)
-    }
-    fn tanh(&self) -> PyResult<Self> {
-        self.map(Var::tanh)
-    }
-    fn fabs(&self) -> PyResult<Self> {
-        self.map(Var::abs)
-    }
-    fn __abs__(&self) -> PyResult<Self> {
-        self.map(Var::abs)
-    }
-    fn reciprocal(&self) -> PyResult<Self> {
-        self.map(Var::recip)
-    }
-    fn log2(&self) -> PyResult<Self> {
-        self.map(|x| x.ln() / known(LN_2))
-    }
-    fn log10(&self) -> PyResult<Self> {
-        self.map(Var::log10)
-    }
-    fn exp2(&self) -> PyResult<Self> {
-        self.map(Var::exp2)
-    }
-    fn cbrt(&self) -> PyResult<Self> {
-        self.map(Var::cbrt)
-    }
-    fn arcsinh(&self) -> PyResult<Self> {
-        self.map(Var::asinh)
-    }
-    fn arccosh(&self) -> PyResult<Self> {
-        self.map(Var::acosh)
-    }
-    fn arctanh(&self) -> PyResult<Self> {
-        self.map(Var::atanh)
-    }
-    fn erf(&self) -> PyResult<Self> {
-        self.map(Var::erf)
-    }
-    fn erfc(&self) -> PyResult<Self> {
-        self.map(Var::erfc)
-    }
-    /// −1, 0 or 1.
-    fn sign(&self) -> PyResult<Self> {
-        self.map(Var::signum)
-    }
-    fn deg2rad(&self) -> PyResult<Self> {
-        self.map(|x| known(DEGREE) * x)
-    }
-    fn rad2deg(&self) -> PyResult<Self> {
-        self.map(|x| known(RADIAN) * x)
-    }
-    fn square(&self) -> PyResult<Self> {
-        self.map(|x| x * x)
-    }
-    fn __neg__(&self) -> PyResult<Self> {
-        self.map(|x| -x)
-    }
-    fn __pos__(&self) -> PyResult<Self> {
-        self.map(|x| x)
-    }
-    fn conjugate(&self) -> PyResult<Self> {
-        self.map(|x| x)
-    }
-    fn __add__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| x + y)
-    }
-    fn __radd__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| y + x)
-    }
-    fn __sub__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| x - y)
-    }
-    fn __rsub__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| y - x)
-    }
-    fn __mul__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| x * y)
-    }
-    fn __rmul__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| y * x)
-    }
-    fn __truediv__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        check_divisor(other)?;
-        self.with(other, |x, y| x / y)
-    }
-    fn __rtruediv__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| y / x)
-    }
-    fn minimum(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| x.min(y))
-    }
-    fn maximum(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| x.max(y))
-    }
-    fn hypot(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| x.hypot(y))
-    }
-    /// Angle of the point (other, self).
-    fn arctan2(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| x.atan2(y))
-    }
-    /// Angle of the point (self, other).
-    fn arctan2_of(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |x, y| y.atan2(x))
-    }
     /// Whole exponents are products, half-integer ones roots.
     fn __pow__(
         &self,
@@ -413,60 +374,11 @@ impl Variable {
     fn __complex__(&self) -> PyResult<f64> {
         Err(PyTypeError::new_err(NUMBER))
     }
-    fn floor(&self) -> PyResult<Self> {
-        self.map(floor)
-    }
-    fn ceil(&self) -> PyResult<Self> {
-        self.map(|x| -floor(-x))
-    }
-    fn trunc(&self) -> PyResult<Self> {
-        self.map(trunc)
-    }
-    /// The nearest integer, of two the larger one.
-    fn rint(&self) -> PyResult<Self> {
-        self.map(nearest)
-    }
-    fn __mod__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        check_divisor(other)?;
-        self.with(other, |x, y| x - floor(x / y) * y)
-    }
-    fn __rmod__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |y, x| x - floor(x / y) * y)
-    }
-    fn __floordiv__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        check_divisor(other)?;
-        self.with(other, |x, y| floor(x / y))
-    }
-    fn __rfloordiv__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |y, x| floor(x / y))
-    }
     fn __divmod__(&self, other: &Bound<'_, PyAny>) -> PyResult<(Py<PyAny>, Py<PyAny>)> {
         Ok((self.__floordiv__(other)?, self.__mod__(other)?))
     }
     fn __rdivmod__(&self, other: &Bound<'_, PyAny>) -> PyResult<(Py<PyAny>, Py<PyAny>)> {
         Ok((self.__rfloordiv__(other)?, self.__rmod__(other)?))
-    }
-    /// The remainder with the sign of self.
-    fn fmod(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        check_divisor(other)?;
-        self.with(other, |x, y| x - trunc(x / y) * y)
-    }
-    /// The remainder of other by self, with the sign of other.
-    fn fmod_of(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        self.with(other, |y, x| x - trunc(x / y) * y)
-    }
-    fn __floor__(&self) -> PyResult<Self> {
-        self.floor()
-    }
-    fn __ceil__(&self) -> PyResult<Self> {
-        self.ceil()
-    }
-    fn __trunc__(&self) -> PyResult<Self> {
-        self.trunc()
-    }
-    /// Itself, as numbers of NumPy have it.
-    fn item(&self) -> PyResult<Self> {
-        self.map(|x| x)
     }
     #[pyo3(signature = (digits=None))]
     fn __round__(&self, digits: Option<i32>) -> PyResult<Self> {

@@ -5,7 +5,7 @@ use crate::faults::{of_run, value_error};
 use crate::options::Options;
 use crate::recording::recorded::Recorded;
 use crate::runs::patience::{Meanwhile, patiently_with};
-use equip::integrate::{Integrator, RunFailure, Starts, drawn_start};
+use equip::integrate::{RunFailure, Starts, drawn_start};
 use equip::prelude::*;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
@@ -44,57 +44,28 @@ pub(crate) fn ensemble<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     system.raised.forget();
-    let task = Task {
-        py,
-        hamiltonian: system.hamiltonian.clone(),
-        starts: (q, p),
-        span,
-        threads,
+    let (hamiltonian, integrator) = (system.hamiltonian.clone(), options.integrator()?);
+    let n = 2 * (hamiltonian.degrees_of_freedom() - usize::from(hamiltonian.has_time()));
+    let done = Arc::new(AtomicUsize::new(0));
+    let mut watch = Watch {
+        done: Arc::clone(&done),
         progress: progress.as_ref(),
     };
-    let made = task.run(options.integrator()?);
-    system.raised.or(made)
-}
-
-struct Task<'a, 'py> {
-    py: Python<'py>,
-    hamiltonian: Hamiltonian,
-    starts: (Vec<f64>, Vec<f64>),
-    span: (f64, f64),
-    threads: usize,
-    progress: Option<&'a Py<PyAny>>,
-}
-
-impl<'py> Task<'_, 'py> {
-    fn run(self, integrator: Integrator<f64>) -> PyResult<Bound<'py, PyDict>> {
-        let Task {
-            hamiltonian,
-            starts: (q, p),
-            span,
-            threads,
-            ..
-        } = self;
-        let n = 2 * (hamiltonian.degrees_of_freedom() - usize::from(hamiltonian.has_time()));
-        let done = Arc::new(AtomicUsize::new(0));
-        let mut watch = Watch {
-            done: Arc::clone(&done),
-            progress: self.progress,
+    let rows = patiently_with(py, &mut watch, move |stop| {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(value_error)?;
+        let row = |_, run: Result<Run<f64>, RunFailure<f64>>| {
+            done.fetch_add(1, Relaxed);
+            run.map(|run| end(&run))
+                .map_err(|failure| failure.to_string())
         };
-        let rows = patiently_with(self.py, &mut watch, move |stop| {
-            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-            let pool = pool.map_err(value_error)?;
-            let row = |_, run: Result<Run<f64>, RunFailure<f64>>| {
-                done.fetch_add(1, Relaxed);
-                run.map(|run| end(&run))
-                    .map_err(|failure| failure.to_string())
-            };
-            let starts = Starts::new(&q, &p, span.0..=span.1);
-            let is_over = || stop.is_set();
-            let rows = pool.install(|| integrator.ensemble(&hamiltonian, starts, row, is_over));
-            rows.map_err(|error| of_run(&error))
-        });
-        table(self.py, n, rows??)
-    }
+        let starts = Starts::new(&q, &p, span.0..=span.1);
+        let is_over = || stop.is_set();
+        let rows = pool.install(|| integrator.ensemble(&hamiltonian, starts, row, is_over));
+        rows.map_err(|error| of_run(&error))
+    });
+    let made = rows.flatten().and_then(|rows| table(py, n, rows));
+    system.raised.or(made)
 }
 
 /// Shows how many rows are made.

@@ -1,7 +1,7 @@
 //! Whole runs: another thread makes the steps.
 
 use crate::faults::{of_run, value_error};
-use crate::number::{Number, Pair, words};
+use crate::number::{Number, Pair, arrays};
 use crate::options::Options;
 use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
@@ -96,86 +96,59 @@ impl<'py> Whole<'_, 'py> {
             if let Some(error) = signals.fault {
                 return Err(error);
             }
-            match made {
-                Ok(run) => Ok(Results::new(&hamiltonian, run, None)),
-                Err(RunFailure { error, partial }) => match partial {
-                    Some(run) => Ok(Results::new(&hamiltonian, *run, Some(error.to_string()))),
-                    None => Err(of_run(&error)),
-                },
-            }
+            let (run, fault) = match made {
+                Ok(run) => (run, None),
+                Err(RunFailure { error, partial }) => {
+                    let run = partial.ok_or_else(|| of_run(&error))?;
+                    (*run, Some(error.to_string()))
+                }
+            };
+            let output_errors = output_errors(&hamiltonian, &run);
+            Ok((run, fault, output_errors))
         })?;
-        found?.into_dict(self.py)
+        let (run, fault, output_errors) = found?;
+        let dict = results(self.py, &run)?;
+        dict.set_item("fault", fault)?;
+        if let Some(energy_errors) = output_errors {
+            dict.set_item("output_energy_error", energy_errors.into_pyarray(self.py))?;
+        }
+        Ok(dict)
     }
 }
 
 /// What a run leaves, flat.
-struct Results<T: Number> {
-    t: Pairs,
-    y: Pairs,
-    energy_errors: Vec<f64>,
-    outcomes: Vec<u8>,
-    output_t: Pairs,
-    output_y: Pairs,
-    output_errors: Option<Vec<f64>>,
-    events: Vec<i64>,
-    event_t: Vec<f64>,
-    event_y: Vec<f64>,
-    curve: Option<Curve>,
-    stopped: bool,
-    fault: Option<String>,
-    certificate: Certificate<T>,
-}
-
-impl<T: Number + Kept> Results<T> {
-    fn new(hamiltonian: &Hamiltonian, run: Run<T>, fault: Option<String>) -> Self {
-        let state = |i| run.q(i).iter().chain(run.p(i)).copied();
-        let outputs = run.outputs().flat_map(|(_, q, p)| q.iter().chain(p));
-        let roots = run.events().iter().flat_map(|e| e.q.iter().chain(&e.p));
-        let kinds = run.outcomes().iter();
-        let n = 2 * (hamiltonian.degrees_of_freedom() - usize::from(hamiltonian.has_time()));
-        Results {
-            t: words(run.times().iter().copied()),
-            y: words((0..run.len()).flat_map(state)),
-            energy_errors: words(run.energy_errors().iter().copied()).0,
-            outcomes: kinds.map(|&outcome| code(outcome)).collect(),
-            output_t: words(run.outputs().map(|(t, _, _)| t)),
-            output_y: words(outputs.copied()),
-            output_errors: output_errors(hamiltonian, &run),
-            events: run.events().iter().map(|e| e.event as i64).collect(),
-            event_t: words(run.events().iter().map(|e| e.time)).0,
-            event_y: words(roots.copied()).0,
-            curve: run.trajectory().map(|trajectory| Curve {
-                dense: T::keep(trajectory.clone()),
-                n,
-            }),
-            stopped: run.stopped(),
-            fault,
-            certificate: run.certificate().clone(),
-        }
-    }
-
-    fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let dict = PyDict::new(py);
-        let pairs = |(high, low): Pairs| (high.into_pyarray(py), low.into_pyarray(py));
-        dict.set_item("t", pairs(self.t))?;
-        dict.set_item("y", pairs(self.y))?;
-        dict.set_item("energy_error", self.energy_errors.into_pyarray(py))?;
-        let labels = Outcome::ALL.map(|outcome| outcome.label());
-        dict.set_item("outcome", (labels.to_vec(), self.outcomes.into_pyarray(py)))?;
-        dict.set_item("output_t", pairs(self.output_t))?;
-        dict.set_item("output_y", pairs(self.output_y))?;
-        if let Some(energy_errors) = self.output_errors {
-            dict.set_item("output_energy_error", energy_errors.into_pyarray(py))?;
-        }
-        dict.set_item("event", self.events.into_pyarray(py))?;
-        dict.set_item("event_t", self.event_t.into_pyarray(py))?;
-        dict.set_item("event_y", self.event_y.into_pyarray(py))?;
-        dict.set_item("curve", self.curve)?;
-        dict.set_item("stopped", self.stopped)?;
-        dict.set_item("fault", self.fault)?;
-        dict.set_item("certificate", certificate(py, &self.certificate)?)?;
-        Ok(dict)
-    }
+fn results<'py, T: Number + Kept>(py: Python<'py>, run: &Run<T>) -> PyResult<Bound<'py, PyDict>> {
+    let state = |i| run.q(i).iter().chain(run.p(i)).copied();
+    let outputs = run.outputs().flat_map(|(_, q, p)| q.iter().chain(p));
+    let roots = run.events().iter().flat_map(|e| e.q.iter().chain(&e.p));
+    let doubles = |numbers: Vec<f64>| numbers.into_pyarray(py);
+    let dict = PyDict::new(py);
+    dict.set_item("t", arrays(py, run.times().iter().copied()))?;
+    dict.set_item("y", arrays(py, (0..run.len()).flat_map(state)))?;
+    let energy_errors = run.energy_errors().iter().map(|x| x.high());
+    dict.set_item("energy_error", doubles(energy_errors.collect()))?;
+    let labels = Outcome::ALL.map(|outcome| outcome.label()).to_vec();
+    let codes: Vec<u8> = run
+        .outcomes()
+        .iter()
+        .map(|&outcome| code(outcome))
+        .collect();
+    dict.set_item("outcome", (labels, codes.into_pyarray(py)))?;
+    dict.set_item("output_t", arrays(py, run.outputs().map(|(t, _, _)| t)))?;
+    dict.set_item("output_y", arrays(py, outputs.copied()))?;
+    let events: Vec<i64> = run.events().iter().map(|e| e.event as i64).collect();
+    dict.set_item("event", events.into_pyarray(py))?;
+    let event_times = run.events().iter().map(|e| e.time.high());
+    dict.set_item("event_t", doubles(event_times.collect()))?;
+    dict.set_item("event_y", doubles(roots.map(|x| x.high()).collect()))?;
+    let curve = run.trajectory().map(|trajectory| Curve {
+        n: 2 * trajectory.degrees_of_freedom(),
+        dense: T::keep(trajectory.clone()),
+    });
+    dict.set_item("curve", curve)?;
+    dict.set_item("stopped", run.stopped())?;
+    dict.set_item("certificate", certificate(py, run.certificate())?)?;
+    Ok(dict)
 }
 
 /// The place of an outcome among all.
@@ -196,5 +169,5 @@ fn output_errors<T: Number>(hamiltonian: &Hamiltonian, run: &Run<T>) -> Option<V
         let y: Vec<T> = q.iter().chain(p).copied().collect();
         evaluator.compensated_value(&y) - energy.start
     });
-    Some(words(energy_errors).0)
+    Some(energy_errors.map(|error| error.high()).collect())
 }

@@ -7,7 +7,7 @@ use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
 use crate::runs::patience::{Stop, lock, patiently};
 use crate::runs::signals::{Reached, Signals};
-use equip::integrate::{IntegrateError, Integrator, Occurrence, StepEvents, Stepper};
+use equip::integrate::{IntegrateError, Occurrence, StepEvents, Stepper};
 use equip::prelude::*;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
@@ -115,19 +115,30 @@ impl Steps {
     ) -> PyResult<Self> {
         let deviations = whole(&system.hamiltonian, &deviations);
         let hamiltonian = system.hamiltonian.clone();
-        let events = options.events();
+        let (events, integrator) = (options.events(), options.integrator()?);
         system.raised.forget();
-        let start = Start {
-            py,
-            is_large: system.is_large(),
-            hamiltonian,
-            q,
-            p,
-            t,
-            deviations,
-            events,
+        let begin = move || {
+            let mut stepper = integrator.start(&hamiltonian, &q, &p, t)?;
+            let tangent =
+                (!deviations.is_empty()).then(|| TangentMap::new(&hamiltonian, &mut stepper));
+            let events = match events.is_empty() {
+                true => None,
+                false => Some(StepEvents::new(&hamiltonian, &mut stepper, &events)?),
+            };
+            Ok(Run {
+                hamiltonian,
+                stepper,
+                tangent,
+                deviations,
+                events,
+                found: Vec::new(),
+            })
         };
-        let run = start.run(options.integrator()?);
+        let run = match system.is_large() {
+            true => patiently(py, move |_| begin()),
+            false => Ok(begin()),
+        };
+        let run = run.and_then(|run| run.map_err(|error| of_run(&error)));
         Ok(Steps {
             run: Arc::new(Mutex::new(system.raised.or(run)?)),
             is_large: system.is_large(),
@@ -219,55 +230,6 @@ fn whole(hamiltonian: &Hamiltonian, deviations: &[f64]) -> Vec<f64> {
     let halves = whole.chunks_exact_mut(m).zip(deviations.chunks_exact(kept));
     halves.for_each(|(whole, half)| whole[..kept].copy_from_slice(half));
     whole
-}
-
-struct Start<'py> {
-    py: Python<'py>,
-    is_large: bool,
-    hamiltonian: Hamiltonian,
-    q: Vec<f64>,
-    p: Vec<f64>,
-    t: f64,
-    deviations: Vec<f64>,
-    events: Vec<Event<f64>>,
-}
-
-impl Start<'_> {
-    /// The run at its start.
-    fn run(self, integrator: Integrator<f64>) -> PyResult<Run> {
-        let Start {
-            hamiltonian,
-            q,
-            p,
-            t,
-            deviations,
-            events,
-            ..
-        } = self;
-        let begin = move || {
-            let mut stepper = integrator.start(&hamiltonian, &q, &p, t)?;
-            let tangent =
-                (!deviations.is_empty()).then(|| TangentMap::new(&hamiltonian, &mut stepper));
-            let events = match events.is_empty() {
-                true => None,
-                false => Some(StepEvents::new(&hamiltonian, &mut stepper, &events)?),
-            };
-            Ok(Run {
-                hamiltonian,
-                stepper,
-                tangent,
-                deviations,
-                events,
-                found: Vec::new(),
-            })
-        };
-        let run = if self.is_large {
-            patiently(self.py, move |_| begin())?
-        } else {
-            begin()
-        };
-        run.map_err(|error| of_run(&error))
-    }
 }
 
 /// A fixed step that reaches a target.
