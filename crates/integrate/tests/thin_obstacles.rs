@@ -112,6 +112,43 @@ fn steps_of_one_size_meet_them_too() {
     }
 }
 
+/// Up to three tents anywhere on the way, of any width: a run by tolerance ends where one of short steps
+/// ends.
+#[test]
+fn tents_anywhere() {
+    for seed in 0..80 {
+        let mut drawn = 100 * seed;
+        let mut draw = |low: f64, high: f64| {
+            drawn += 1;
+            low + (high - low) * (f64::from(drawn) * 0.618_033_988_75).fract()
+        };
+        let tents: Vec<[f64; 3]> = (0..1 + seed % 3)
+            .map(|_| {
+                let (centre, half) = (draw(20.0, 80.0), 10.0_f64.powf(draw(-2.0, 0.5)));
+                let heights = [2.0, -2.0, 0.2, 4.0];
+                [centre, half, heights[draw(0.0, 3.99) as usize]]
+            })
+            .collect();
+        let h = flight(|q| {
+            let tent = |&[centre, half, height]: &[f64; 3]| {
+                height * (1 - (q - centre).abs() / half).max(0)
+            };
+            tents.iter().map(tent).sum()
+        });
+        let end = |s: usize, most: f64| {
+            let options = Equip::stages(s).tolerance(1e-9).max_step(most);
+            let run = options.integrate(&h, &[0.0], &[1.0], 0.0..=END).unwrap();
+            run.last().1[0]
+        };
+        let right = end(3, 0.01);
+        for s in [2, 4, 8, 12] {
+            let error = (end(s, f64::INFINITY) - right).abs();
+            println!("{tents:?}, s = {s}: {error:.1e}");
+            assert!(error < 1e-5, "{tents:?}, s = {s}: {error:e}");
+        }
+    }
+}
+
 /// A lens of radius 0.1 that pushes outward, ½k²(w² − r²) within, passed at a distance from its centre. Its
 /// switching function r − w is smooth, and positive at all stages.
 #[test]

@@ -52,7 +52,6 @@ pub enum SwitchKind {
 #[derive(Debug, Clone, Default)]
 pub struct Switches {
     kinds: Vec<SwitchKind>,
-    bends: Vec<bool>,
     domains: Domains,
     /// `None` if there are no switches.
     results: Option<Arc<Results>>,
@@ -82,7 +81,6 @@ impl Switches {
         Switches {
             results: (!found.nodes.is_empty()).then(|| Arc::new(results())),
             kinds: found.kinds,
-            bends: found.bends,
             domains: Domains::of(recording),
         }
     }
@@ -100,12 +98,6 @@ impl Switches {
     /// The kind of each switch.
     pub fn kinds(&self) -> &[SwitchKind] {
         &self.kinds
-    }
-
-    /// Whether the function of each switch has discontinuities of its own, at roots of others. The function
-    /// of the maximum in max(1 − |x|, 0) has one at x = 0.
-    pub fn bends(&self) -> &[bool] {
-        &self.bends
     }
 
     /// The arguments of functions of H that have a domain, such as tables that do not extrapolate.
@@ -149,7 +141,6 @@ impl<T: Float> SwitchEvaluator<T> {
 #[derive(Default)]
 struct Found {
     kinds: Vec<SwitchKind>,
-    bends: Vec<bool>,
     nodes: Vec<u32>,
     seen: HashSet<u32>,
 }
@@ -157,21 +148,18 @@ struct Found {
 impl Found {
     fn in_recording(recorder: &mut Recorder, root: u32) -> Self {
         let mut found = Found::default();
-        let bent = bent(recorder, root);
         for node in live(recorder, root) {
             let Node { op, a, b } = recorder.nodes[node as usize];
-            let mut operands = [a, b].into_iter().take(op.arity());
-            let bends = operands.any(|x| bent[x as usize]);
             match op {
-                Op::Abs => found.push(SwitchKind::Absolute, a, bends),
-                Op::Sign => found.push(SwitchKind::Sign, a, bends),
+                Op::Abs => found.push(SwitchKind::Absolute, a),
+                Op::Sign => found.push(SwitchKind::Sign, a),
                 Op::Min | Op::Max => {
                     let g = recorder.apply(Op::Sub, a, b);
-                    found.push(SwitchKind::Extremum, g, bends);
+                    found.push(SwitchKind::Extremum, g);
                 }
                 Op::AtMost => {
                     let g = recorder.apply(Op::Sub, b, a);
-                    found.push(SwitchKind::Selection, g, bends);
+                    found.push(SwitchKind::Selection, g);
                 }
                 Op::Outside { function, .. } => {
                     let function = Arc::clone(&recorder.functions[function as usize]);
@@ -182,7 +170,7 @@ impl Found {
                     for kink in function.kinks() {
                         let kink: Arc<dyn Outside> = kink;
                         let g = recorder.outside(&kink, [0, 0], [a, b]);
-                        found.push(kind, g, bends);
+                        found.push(kind, g);
                     }
                 }
                 _ => {}
@@ -191,26 +179,12 @@ impl Found {
         found
     }
 
-    fn push(&mut self, kind: SwitchKind, node: u32, bends: bool) {
+    fn push(&mut self, kind: SwitchKind, node: u32) {
         if self.seen.insert(node) {
             self.kinds.push(kind);
-            self.bends.push(bends);
             self.nodes.push(node);
         }
     }
-}
-
-/// For each operation up to `root`, whether it or an operation on which it depends is piecewise. Tables count
-/// as smooth.
-fn bent(recorder: &Recorder, root: u32) -> Vec<bool> {
-    let nodes = &recorder.nodes[..(root as usize + 1).max(recorder.inputs)];
-    let mut bent = vec![false; nodes.len()];
-    for (i, &Node { op, a, b }) in nodes.iter().enumerate() {
-        let is_piecewise = matches!(op, Op::Abs | Op::Sign | Op::Min | Op::Max | Op::AtMost);
-        let mut operands = [a, b].into_iter().take(op.arity());
-        bent[i] = is_piecewise || operands.any(|x| bent[x as usize]);
-    }
-    bent
 }
 
 /// The operations that depend on the state and on which H depends, in order.

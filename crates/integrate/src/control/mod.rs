@@ -3,10 +3,10 @@
 pub(crate) mod controller;
 pub(crate) mod escape;
 pub(crate) mod estimate;
+pub(crate) mod failed;
 pub(crate) mod first_step;
 pub(crate) mod flow;
 pub(crate) mod frequency;
-pub(crate) mod make;
 pub(crate) mod policy;
 pub(crate) mod rate;
 pub(crate) mod stuck;

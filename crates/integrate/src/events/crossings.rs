@@ -152,11 +152,6 @@ impl<T: Float> Crossings<T> {
         self.has_touched
     }
 
-    /// Whether the last step examined meets one switch more than twice, as a step over close knots does.
-    pub(crate) fn meets_one_often(&self) -> bool {
-        (0..self.path.len()).any(|j| !self.is_passed[j] && self.path.changes(j) > 2)
-    }
-
     /// The number of switches on which the last step examined ends.
     pub(crate) fn met(&self) -> u64 {
         self.met.len() as u64
@@ -326,15 +321,9 @@ impl<T: Float> Crossings<T> {
             self.sides[j] = Some(-begins);
             place = self.path.first_root(j, -begins, true)?;
         }
-        match place {
-            // Once in a step, and not near its ends.
-            Place::Touch(at) => {
-                let margin = T::ratio(1, 64);
-                let is_inside = at > margin && at < T::int(1) - margin;
-                (is_inside && !self.has_touched).then_some(place)
-            }
-            Place::Root(..) => Some(place),
-        }
+        // A touch counts once in a step.
+        let is_root = matches!(place, Place::Root(..));
+        (is_root || !self.has_touched).then_some(place)
     }
 
     /// The step ends on switch j at this root, and on all other switches with a root there.

@@ -3,7 +3,7 @@
 //! If |g| decreases up to one position and increases from the next one on, the lines through two positions on
 //! either side intersect between them. If |g| is convex, such as the distance to an obstacle that is passed
 //! closely, the intersection is below the minimum: if it is above zero, there is no root. The minimum is
-//! searched at such intersections and by parabolas through three positions.
+//! searched at such intersections.
 
 use crate::control::policy::MOST_TRIES;
 use equip_scalar::Float;
@@ -106,17 +106,10 @@ pub(crate) fn place_beyond<T: Float>(places: &[Point<T>], mut g: impl FnMut(T) -
         count: places.len().min(5),
     };
     around.points[..around.count].copy_from_slice(&places[..around.count]);
-    for tries in 0..MOST_TRIES {
-        let deepest = around.meeting()?;
-        if deepest.1 > T::int(0) {
-            return None;
-        }
-        let low = around.lowest();
-        let three = [low - 1, low, low + 1].map(|i| around.points[i]);
-        let of_parabola = if tries % 2 == 1 { vertex(three) } else { None };
-        let x = of_parabola.map_or(deepest.0, |point| point.0);
+    for _ in 0..MOST_TRIES {
+        let (x, lowest) = around.meeting()?;
         let is_new = around.points[..around.count].iter().all(|p| p.0 != x);
-        if !is_new {
+        if lowest > T::int(0) || !is_new {
             return None;
         }
         let value = g(x);

@@ -2,9 +2,8 @@
 //!
 //! A sign change between neighbours of these s + 2 positions encloses a root. So does a dip towards zero
 //! whose minimum, by parabolas through three positions, has the opposite sign. Two roots between neighbours
-//! are searched where lines through the values on either side intersect beyond zero. For a switch with kinks
-//! they are also searched at the roots of the other switches: an obstacle max(1 − |x|/w, 0) much thinner than
-//! the step does not show in the s + 2 values, but x changes sign. Two roots of a smooth switch of which the
+//! are searched where lines through the values on either side intersect beyond zero: an obstacle max(1 −
+//! |x|/w, 0) much thinner than the step does not show in the signs of the s + 2 values. Two roots of which the
 //! values give no indication are not found.
 
 use crate::control::policy::{MOST_TRIES, PART};
@@ -36,8 +35,7 @@ impl<T: Float> Place<T> {
 #[derive(Debug)]
 pub(crate) struct Path<T: Float> {
     switches: SwitchEvaluator<T>,
-    /// For every switch, whether it has kinks, and whether it belongs to knots.
-    pub(super) bends: Vec<bool>,
+    /// For every switch, whether it belongs to knots.
     pub(super) is_of_knots: Vec<bool>,
     /// Roots that the values at the positions do not show.
     pub(super) hidden: Vec<Hidden<T>>,
@@ -63,7 +61,6 @@ impl<T: Float> Path<T> {
         let ends = [[T::int(0)], [T::int(1)]];
         Path {
             switches: switches.evaluator(),
-            bends: switches.bends().to_vec(),
             is_of_knots: (switches.kinds().iter())
                 .map(|&kind| kind == SwitchKind::Knots)
                 .collect(),
@@ -153,12 +150,6 @@ impl<T: Float> Path<T> {
     /// The sign of switch j at the end of the step.
     pub(crate) fn side_at_end(&self, j: usize) -> i8 {
         side(self.value(j, self.places.len() - 1))
-    }
-
-    /// The number of sign changes of switch j between neighbouring positions.
-    pub(crate) fn changes(&self, j: usize) -> usize {
-        let differs = |&i: &usize| side(self.value(j, i)) != side(self.value(j, i - 1));
-        (1..self.places.len()).filter(differs).count()
     }
 
     /// Whether switch j may have a root in the step if it has the sign `begins` after the start.
@@ -269,7 +260,7 @@ impl<T: Float> Path<T> {
                 (false, false) => (a, b, here),
             };
         }
-        (b.1.abs() <= vague).then_some(Place::Touch(b.0))
+        (b.1.abs() < vague).then_some(Place::Touch(b.0))
     }
 
     /// The root of switch j slightly beyond the end of the step, or before the end by rounding. Computed by

@@ -25,6 +25,13 @@ pub(crate) struct EventWatch<T: Float> {
     met: Vec<usize>,
 }
 
+/// Events that end a run or change its state, with the time and the state of their common root.
+pub(crate) struct EventsAt<'a, T: Float> {
+    pub(crate) events: &'a mut EventWatch<T>,
+    pub(crate) time: T,
+    pub(crate) y: &'a [T],
+}
+
 impl<T: Float> EventWatch<T> {
     pub(crate) fn new(
         events: &[Event<T>],

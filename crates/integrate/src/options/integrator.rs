@@ -1,8 +1,7 @@
 //! [`Integrator`]: a method with its steps and options.
 
-use crate::options::common::{Options, Words};
+use crate::options::common::{Options, Words, in_digits};
 use crate::options::event::Event;
-use crate::options::fixed_step::Fixed;
 use crate::options::method::Method;
 use crate::options::record::Record;
 use crate::options::tolerance::Tolerance;
@@ -22,7 +21,8 @@ pub struct Integrator<T: Float> {
 /// The rule for the step sizes.
 #[derive(Debug, Clone)]
 pub(crate) enum StepSizes<T> {
-    Fixed(Fixed<T>),
+    /// Steps of this size. The last one is shorter if the size does not divide the interval.
+    Fixed(T),
     Tolerance(Tolerance<T>),
 }
 
@@ -31,7 +31,7 @@ impl Method {
     /// steps of size h in the direction of the interval. With h < 0 the interval must lead backward in time.
     /// A run that is advanced step by step goes backward in time if h < 0.
     pub fn step<T: Float>(self, h: T) -> Integrator<T> {
-        Integrator::new(self, StepSizes::Fixed(Fixed { h }))
+        Integrator::new(self, StepSizes::Fixed(h))
     }
 }
 
@@ -47,7 +47,10 @@ impl<T: Float> Integrator<T> {
     /// Method, sizes and options as text, which must agree with a checkpoint.
     pub(crate) fn words(&self) -> Words {
         let mut words = match &self.sizes {
-            StepSizes::Fixed(sizes) => sizes.words(),
+            StepSizes::Fixed(h) => vec![
+                ("steps", "of one size".to_owned()),
+                ("step", in_digits(h.abs())),
+            ],
             StepSizes::Tolerance(sizes) => sizes.words(),
         };
         words.extend(self.options.words(self.method));

@@ -3,7 +3,6 @@
 pub(crate) mod adaptive;
 pub(crate) mod common;
 pub(crate) mod event;
-pub(crate) mod fixed_step;
 pub(crate) mod integrator;
 pub(crate) mod method;
 pub(crate) mod record;

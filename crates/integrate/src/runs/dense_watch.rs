@@ -5,9 +5,8 @@ use crate::dense::piece::Piece;
 use crate::dense::refine::Refiner;
 use crate::dense::trajectory::Trajectory;
 use crate::error::IntegrateError;
-use crate::events::watch::EventWatch;
+use crate::events::watch::{EventWatch, EventsAt};
 use crate::options::common::Options;
-use crate::runs::events_at::EventsAt;
 use crate::runs::run::Run;
 use crate::steppers::integration::Integration;
 use crate::time::direction::TimeDirection;
@@ -41,9 +40,9 @@ impl<T: Float> DenseWatch<T> {
         let m = stepper.m;
         Ok(Some(DenseWatch {
             refiner: Refiner::new(system, stepper.core.method())?,
-            trajectory: options.dense.then(|| Trajectory::new(m, stepper.time())),
+            trajectory: options.dense.then(|| Trajectory::new(m, stepper.time)),
             events: (!options.events.is_empty()).then(|| {
-                let from = (stepper.time(), stepper.direction);
+                let from = (stepper.time, stepper.direction);
                 EventWatch::new(&options.events, 2 * m, from)
             }),
             times: times.to_vec(),
@@ -61,7 +60,7 @@ impl<T: Float> DenseWatch<T> {
         run: &mut Run<T>,
     ) -> Result<Option<EventsAt<'_, T>>, IntegrateError<T>> {
         let ends = stepper.parts().iter().skip(1).map(|next| next.time);
-        let ends = ends.chain(std::iter::once(stepper.time()));
+        let ends = ends.chain(std::iter::once(stepper.time));
         for ((part, end_state), mut end) in stepper.parts_to_ends().zip(ends) {
             let is_due = |&t: &T| stepper.direction.is_before(t, end);
             let due = self.times.get(self.done).is_some_and(is_due);
@@ -120,7 +119,7 @@ impl<T: Float> DenseWatch<T> {
         }
         self.done = self.times.len();
         if let Some(trajectory) = &mut self.trajectory {
-            trajectory.end_at(stepper.time());
+            trajectory.end_at(stepper.time);
         }
     }
 

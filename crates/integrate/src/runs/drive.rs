@@ -3,10 +3,9 @@
 
 use crate::checkpoints::memory::{Memory, Numbers};
 use crate::error::IntegrateError;
-use crate::events::watch::CLOSEST;
+use crate::events::watch::{CLOSEST, EventsAt};
 use crate::options::record::Record;
 use crate::runs::dense_watch::DenseWatch;
-use crate::runs::events_at::EventsAt;
 use crate::runs::observer::Observer;
 use crate::runs::outputs::Outputs;
 use crate::runs::run::{Run, RunFailure};
@@ -119,7 +118,7 @@ fn act<T: Float>(
     changed: &mut Option<T>,
 ) -> Result<ControlFlow<()>, IntegrateError<T>> {
     let (time, before, event) = (at.time, at.y.to_vec(), at.events.changing());
-    match at.act(steps) {
+    match steps.act(at) {
         Ok(ControlFlow::Continue(())) => run.drop_outputs_beyond(time, &steps.inner),
         Ok(ControlFlow::Break(state)) => {
             run.end_at(time, &state, &steps.inner);

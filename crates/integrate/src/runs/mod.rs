@@ -6,7 +6,6 @@ pub(crate) mod dense_watch;
 pub(crate) mod drive;
 #[cfg(feature = "rayon")]
 pub(crate) mod ensemble;
-pub(crate) mod events_at;
 pub(crate) mod integrate;
 pub(crate) mod observer;
 pub(crate) mod outputs;

@@ -35,11 +35,11 @@ impl<'a, T: Float> Outputs<'a, T> {
     pub(crate) fn up_to(&mut self, main: &Integration<T>, end: Option<T>, run: &mut Run<T>) {
         let is_due = |time: T| end.is_none_or(|end| main.direction.is_before(time, end));
         while let Some(&time) = self.times.get(self.done).filter(|&&time| is_due(time)) {
-            let h = time - main.time();
-            if main.direction.is_before(main.time(), time) {
+            let h = time - main.time;
+            if main.direction.is_before(main.time, time) {
                 self.stepper.core.forget();
                 let side = &mut self.stepper;
-                match side.aside((&main.y, main.time()), h) {
+                match side.aside((&main.y, main.time), h) {
                     Ok(y) => {
                         run.output(time, y);
                         run.certificate.output_steps += 1;
@@ -57,7 +57,7 @@ impl<'a, T: Float> Outputs<'a, T> {
 
     /// Computes the outputs within the last step of `main` whose separate steps failed.
     pub(crate) fn within(&mut self, main: &Integration<T>, run: &mut Run<T>) {
-        let is_due = |time: T| main.direction.is_before(time, main.time());
+        let is_due = |time: T| main.direction.is_before(time, main.time);
         let mut y = Vec::new();
         let mut is_counted = false;
         while let Some(&time) = self.times.get(self.done).filter(|&&time| is_due(time)) {

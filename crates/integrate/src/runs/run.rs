@@ -114,7 +114,7 @@ impl<T: Float> Run<T> {
             output_steps,
             coarse_outputs,
             chaos,
-            end: self.ended.unwrap_or(stepper.time()),
+            end: self.ended.unwrap_or(stepper.time),
             ..stepper.certificate()
         };
     }
@@ -133,7 +133,7 @@ impl<T: Float> Run<T> {
         error: IntegrateError<T>,
         stepper: &Integration<T>,
     ) -> RunFailure<T> {
-        let end = self.ended.unwrap_or(stepper.time());
+        let end = self.ended.unwrap_or(stepper.time);
         if self.times.last() != Some(&end) {
             self.keep(&stepper.view());
         }

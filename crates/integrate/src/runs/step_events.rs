@@ -2,9 +2,8 @@
 
 use crate::dense::refine::Refiner;
 use crate::error::IntegrateError;
-use crate::events::watch::EventWatch;
+use crate::events::watch::{EventWatch, EventsAt};
 use crate::options::event::{Event, Occurrence};
-use crate::runs::events_at::EventsAt;
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
@@ -55,12 +54,12 @@ impl<T: Float> StepEvents<T> {
         let low = run.control.time_low();
         let stepper = &mut run.inner;
         stepper.core.keep_parts();
-        let from = (stepper.time(), stepper.direction);
+        let from = (stepper.time, stepper.direction);
         Ok(StepEvents {
             refiner: Refiner::new(system, stepper.core.method())?,
             events: EventWatch::new(events, 2 * stepper.m, from),
             found: Vec::new(),
-            seen: (stepper.index, stepper.time(), low),
+            seen: (stepper.index, stepper.time, low),
         })
     }
 
@@ -104,7 +103,7 @@ impl<T: Float> StepEvents<T> {
         if let Some((time, y)) = &ended {
             let (time, events) = (*time, &mut self.events);
             // If its action breaks, the run stays at the end of its step.
-            let _ = EventsAt { events, time, y }.act(run)?;
+            let _ = run.act(EventsAt { events, time, y })?;
         }
         self.seen = (made, run.time(), run.control.time_low());
         Ok(&self.found)

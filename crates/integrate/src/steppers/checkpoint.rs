@@ -85,8 +85,8 @@ impl<T: Float> Integration<T> {
         }
     }
 
-    /// Restores the state of the run of a checkpoint, of which `memory` reads the numbers. The run has begun at
-    /// the initial state of that run.
+    /// Restores the state of the run of a checkpoint, of which `memory` reads the numbers. The run has begun
+    /// at the initial state of that run.
     pub(crate) fn restore_from(
         &mut self,
         from: &Checkpoint,

@@ -1,9 +1,8 @@
 //! Fixed steps at switches of H ([`crate::events::crossings`]). A step of the grid that crosses a switch is
 //! split into parts, up to the switch and from the switch on, each of full order. The grid does not change.
 //!
-//! Knots of tables are ignored: without a tolerance there is no criterion for those that matter. A step that
-//! meets the same switch more than twice is computed as if H were smooth, and so is the rest of a step after
-//! [`SOON`] switches.
+//! Knots of tables are ignored: without a tolerance there is no criterion for those that matter. The rest of
+//! a step after [`SOON`] switches is computed as if H were smooth.
 //!
 //! Cost: the switches at all stages of a step; for each crossing two to four steps without α to find it, and
 //! one more step.
@@ -159,17 +158,11 @@ impl<T: Float> Integration<T> {
         substeps.crossed += met;
     }
 
-    /// Where the last step meets the first switch, if its stages resolve the switches.
+    /// Where the last step meets the first switch.
     fn first_meeting(&mut self, substeps: &mut Substeps<T>) -> Option<Meeting<T>> {
         let Integration { core, y, next, .. } = self;
-        let crossings = &mut substeps.crossings;
-        crossings.begin_step();
-        let meeting = match crossings.look(core, y, next) {
-            // At most once in a step.
-            Some(Meeting::Touch(_)) => crossings.look(core, y, next),
-            meeting => meeting,
-        };
-        meeting.filter(|_| !crossings.meets_one_often())
+        substeps.crossings.begin_step();
+        substeps.crossings.look(core, y, next)
     }
 
     /// Attempts the part of a step of size `left` up to the switch that the step meets at `root`. If the

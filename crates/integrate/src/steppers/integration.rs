@@ -1,7 +1,7 @@
 //! [`Integration`]: the state of a run and its measurements. It attempts and accepts steps of a given size;
 //! step control chooses the sizes.
 
-use crate::control::make::{check_gradient, complete_step, make_step};
+use crate::control::failed::{check_gradient, error_of};
 use crate::error::IntegrateError;
 use crate::options::common::Words;
 use crate::options::method::Method;
@@ -13,7 +13,7 @@ use crate::steppers::view::StepView;
 use crate::time::direction::TimeDirection;
 use crate::time::visible::visible;
 use equip_scalar::Float;
-use equip_solver::{Core, Counts, Outcome, Part, State};
+use equip_solver::{Core, Failure, Outcome, Part, State};
 use std::fmt;
 
 /// Splits steps of the grid that cross switches of H.
@@ -72,19 +72,6 @@ impl<T: Float> Integration<T> {
         Ok(self.direction.is_before(t, self.time))
     }
 
-    /// Makes a step of the signed size `h`, and sets the time to `time`.
-    pub(crate) fn make(&mut self, time: T, h: T) -> Result<(), IntegrateError<T>> {
-        if !self.direction.is_before(self.time, time) {
-            return Err(IntegrateError::StepBelowTimeResolution {
-                step: h,
-                time: self.time,
-            });
-        }
-        let outcome = self.attempt_in_parts(h)?;
-        self.accept(time, h, outcome);
-        Ok(())
-    }
-
     /// Attempts a step of the grid, of size `h`, in parts if it crosses switches of H.
     pub(crate) fn attempt_in_parts(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
         let Some(mut in_parts) = self.in_parts.take() else {
@@ -126,13 +113,13 @@ impl<T: Float> Integration<T> {
         if self.check_gradient && self.index.is_power_of_two() {
             check_gradient(self.core.energy_mut(), self.time, &self.y.hi)?;
         }
-        let made = make_step(&mut self.core, (&self.y, self.time, h), &mut self.next);
+        let made = self.core.step(&self.y, self.time, h, &mut self.next);
         self.checked(h, made)
     }
 
     /// Computes the α_k of the step of size `h` from [`attempt`](Self::attempt), if they were deferred.
     pub(crate) fn complete(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
-        let made = complete_step(&mut self.core, (&self.y, self.time, h), &mut self.next);
+        let made = self.core.complete(&self.y, self.time, h, &mut self.next);
         self.checked(h, made)
     }
 
@@ -140,8 +127,9 @@ impl<T: Float> Integration<T> {
     fn checked(
         &mut self,
         h: T,
-        made: Result<Outcome, IntegrateError<T>>,
+        made: Result<Outcome, Failure<T>>,
     ) -> Result<Outcome, IntegrateError<T>> {
+        let made = made.map_err(|failure| error_of(&mut self.core, failure));
         if self.check_gradient {
             let checked = match made {
                 Ok(outcome) if outcome.is_uncorrected() => {
@@ -207,16 +195,6 @@ impl<T: Float> Integration<T> {
             outcome: self.last.1,
             chaos: None,
         }
-    }
-
-    /// The time reached.
-    pub(crate) fn time(&self) -> T {
-        self.time
-    }
-
-    /// The counts so far.
-    pub(crate) fn counts(&self) -> &Counts {
-        self.core.counts()
     }
 
     fn mean_step(&self) -> T {

@@ -1,6 +1,6 @@
 //! An [`Integration`] is prepared once, and may begin many runs.
 
-use crate::control::make::check_gradient;
+use crate::control::failed::check_gradient;
 use crate::error::IntegrateError;
 use crate::options::common::{Options, coefficients};
 use crate::options::event::Event;
@@ -57,7 +57,7 @@ impl<T: Float> Integration<T> {
         let measured = Measured::new(system, options, (has_target, alphas));
         let switches = system.switches();
         let size = match &integrator.sizes {
-            StepSizes::Fixed(sizes) => Some(sizes.h.abs()),
+            StepSizes::Fixed(h) => Some(h.abs()),
             StepSizes::Tolerance(_) => None,
         };
         // The change of H has no bound across a jump, nor with a gradient that is not checked.

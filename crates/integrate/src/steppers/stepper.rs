@@ -3,12 +3,14 @@
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::memory::Memory;
 use crate::error::IntegrateError;
+use crate::events::watch::EventsAt;
 use crate::report::certificate::Certificate;
 use crate::steppers::integration::Integration;
 use crate::steppers::step_control::StepControl;
 use crate::steppers::view::StepView;
 use equip_scalar::Float;
 use equip_solver::Counts;
+use std::ops::ControlFlow;
 
 /// A run that is advanced step by step: an endless iterator, or [`advance`](Self::advance) without copies.
 #[derive(Debug)]
@@ -51,14 +53,32 @@ impl<T: Float> Stepper<T> {
         Ok(())
     }
 
-    /// The same at time `t`, which lies within the last step. The end of the run does not change.
+    /// Moves the run to the state that events within its last step make of the state at their root, or breaks
+    /// with this state if one of them ends the run. The end of the run does not change.
     ///
     /// # Errors
     /// Invalid values, or H not finite at the state.
-    pub(crate) fn kick(&mut self, (q, p): (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>> {
-        self.inner.move_to(q, p, t)?;
-        self.inner.time = t;
-        self.control.at_another_time(&mut self.inner)
+    pub(crate) fn act(
+        &mut self,
+        at: EventsAt<'_, T>,
+    ) -> Result<ControlFlow<Vec<T>>, IntegrateError<T>> {
+        let EventsAt { events, time, y } = at;
+        let mut y = y.to_vec();
+        if events.change(time, &mut y).is_break() {
+            return Ok(ControlFlow::Break(y));
+        }
+        let (q, p) = y.split_at(y.len() / 2);
+        let moved = self.inner.move_to(q, p, time).and_then(|()| {
+            self.inner.time = time;
+            self.control.at_another_time(&mut self.inner)
+        });
+        moved.map_err(|cause| IntegrateError::ChangedState {
+            event: events.changing(),
+            time,
+            cause: cause.to_string(),
+        })?;
+        events.continue_changed(time);
+        Ok(ControlFlow::Continue(()))
     }
 
     /// Reverses the direction of time of the following steps.
@@ -127,7 +147,7 @@ impl<T: Float> Stepper<T> {
 
     /// The time reached.
     pub fn time(&self) -> T {
-        self.inner.time()
+        self.inner.time
     }
 
     /// The size of the next step, without sign: the fixed size, or the size that step control proposes.
@@ -137,7 +157,7 @@ impl<T: Float> Stepper<T> {
 
     /// The counts so far.
     pub fn counts(&self) -> &Counts {
-        self.inner.counts()
+        self.inner.core.counts()
     }
 
     /// The certificate of the run so far.

@@ -55,7 +55,7 @@ impl<T: Float> AdaptiveSteps<T> {
         run: &mut Integration<T>,
         end: Option<T>,
     ) -> Result<(), IntegrateError<T>> {
-        if run.counts().steps >= self.max_steps {
+        if run.core.counts().steps >= self.max_steps {
             let (steps, time) = (self.max_steps, run.time);
             return Err(IntegrateError::StepLimit { steps, time });
         }

@@ -51,8 +51,14 @@ impl<T: Float> FixedSteps<T> {
         (self.start, self.place) = (run.time, 0);
     }
 
+    /// Makes a step of the signed size `h`, which ends at `time`.
     fn make(&mut self, run: &mut Integration<T>, time: T, h: T) -> Result<(), IntegrateError<T>> {
-        run.make(time, h)?;
+        if !run.direction.is_before(run.time, time) {
+            let (step, time) = (h, run.time);
+            return Err(IntegrateError::StepBelowTimeResolution { step, time });
+        }
+        let outcome = run.attempt_in_parts(h)?;
+        run.accept(time, h, outcome);
         self.place += 1;
         Ok(())
     }

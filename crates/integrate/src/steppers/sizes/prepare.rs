@@ -20,10 +20,12 @@ impl<T: Float> Stepper<T> {
     ) -> Result<Self, IntegrateError<T>> {
         let mut inner;
         let control: Box<dyn StepControl<T>> = match &integrator.sizes {
-            StepSizes::Fixed(sizes) => {
-                sizes.validate()?;
+            &StepSizes::Fixed(h) => {
+                if h == T::int(0) || !h.is_finite() {
+                    return Err(IntegrateError::StepOutOfRange { step: h });
+                }
                 inner = Integration::prepare(integrator, system)?;
-                Box::new(FixedSteps::new(sizes.h))
+                Box::new(FixedSteps::new(h))
             }
             StepSizes::Tolerance(sizes) => {
                 sizes.validate(integrator.method)?;

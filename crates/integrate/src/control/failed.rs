@@ -1,10 +1,10 @@
-//! Steps with errors in the form that a run returns.
+//! Failures of a step in the form that a run returns.
 
 use crate::control::escape::escapes;
 use crate::error::IntegrateError;
 use equip_autodiff::Evaluator;
 use equip_scalar::Float;
-use equip_solver::{Constraint, Core, Failure, Outcome, State};
+use equip_solver::{Constraint, Core, Failure};
 
 /// Checks a user-supplied gradient against H at `y` and time `t`.
 pub(crate) fn check_gradient<T: Float>(
@@ -25,28 +25,8 @@ pub(crate) fn check_gradient<T: Float>(
     })
 }
 
-/// One step of size `h` from `y` at time `t` to `next`.
-pub(crate) fn make_step<T: Float>(
-    core: &mut Core<T>,
-    (y, t, h): (&State<T>, T, T),
-    next: &mut State<T>,
-) -> Result<Outcome, IntegrateError<T>> {
-    core.step(y, t, h, next)
-        .map_err(|failure| error_of(core, failure))
-}
-
-/// Computes the α_k of that step if they were deferred.
-pub(crate) fn complete_step<T: Float>(
-    core: &mut Core<T>,
-    (y, t, h): (&State<T>, T, T),
-    next: &mut State<T>,
-) -> Result<Outcome, IntegrateError<T>> {
-    core.complete(y, t, h, next)
-        .map_err(|failure| error_of(core, failure))
-}
-
 /// The error of the step that has just failed.
-fn error_of<T: Float>(core: &mut Core<T>, failure: Failure<T>) -> IntegrateError<T> {
+pub(crate) fn error_of<T: Float>(core: &mut Core<T>, failure: Failure<T>) -> IntegrateError<T> {
     let part = core.failed_part();
     let (time, step, halvings) = (part.time, part.step, part.max_halvings);
     let unsolved = matches!(
