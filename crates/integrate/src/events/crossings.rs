@@ -223,6 +223,7 @@ impl<T: Float> Crossings<T> {
         self.looks += 1;
         let aim = self.aim.take();
         self.path.follow(core, y, end);
+        self.begin_on_roots();
         if self.path.may_hide(&self.is_passed, &self.sides) {
             self.path.take_polynomial(core, y);
             self.path.look_for_hidden(&self.is_passed, &self.sides);
@@ -282,6 +283,16 @@ impl<T: Float> Crossings<T> {
         let [near, far] = [1, 2].map(|times| across(T::ratio(times, BESIDE)));
         let is_same = T::int(4) * (far - near).abs() <= near.abs();
         (is_same && near.abs() > rounding).then_some(T::int(2) * near - far)
+    }
+
+    /// A step that starts at g = 0 exactly begins on the switch, and continues on the side of the first stage.
+    fn begin_on_roots(&mut self) {
+        for j in (0..self.path.len()).filter(|&j| !self.is_passed[j]) {
+            let first = self.path.side_at_first_stage(j);
+            if self.sides[j].is_none() && self.path.side_at_start(j) == 0 && first != 0 {
+                self.sides[j] = Some(first);
+            }
+        }
     }
 
     /// The sign of switch j at the beginning of the step.

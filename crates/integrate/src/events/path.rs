@@ -147,6 +147,11 @@ impl<T: Float> Path<T> {
         side(self.value(j, 0))
     }
 
+    /// The sign of switch j at the first stage.
+    pub(crate) fn side_at_first_stage(&self, j: usize) -> i8 {
+        side(self.value(j, 1))
+    }
+
     /// The sign of switch j at the end of the step.
     pub(crate) fn side_at_end(&self, j: usize) -> i8 {
         side(self.value(j, self.places.len() - 1))
