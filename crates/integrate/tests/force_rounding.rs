@@ -131,3 +131,28 @@ fn gradients_from_outside_round_as_their_largest_component() {
     let by_equal_steps = run(Gauss::stages(8).step(0.0005));
     assert!(apart(&by_tolerance, &by_equal_steps) < 1e-12);
 }
+
+/// A component near rest whose force is a difference of numbers of order one: its momentum carries the rounding of the
+/// force, and the steps are those of the oscillator beside it.
+#[test]
+fn a_quiet_component_shortens_no_steps() {
+    let energy = Hamiltonian::new(2, |q, p| {
+        0.5 * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0]) + (-q[1]).exp() + q[1]
+    });
+    let energy = energy.unwrap();
+    for tolerance in [1e-8, 1e-12] {
+        for quiet in [1e-6, 1e-10, 1e-12, 1e-14] {
+            let options = Equip::stages(8).tolerance(tolerance).max_steps(300);
+            let run = options
+                .integrate(&energy, &[1.0, quiet], &[0.0, 0.0], 0.0..=10.0)
+                .unwrap();
+            let (_, q, _) = run.last();
+            println!(
+                "{tolerance:e}, {quiet:e}: {}",
+                run.certificate().counts.steps
+            );
+            assert!((q[0] - 10f64.cos()).abs() < 1e-9);
+            assert!((q[1] - quiet * 10f64.cos()).abs() < 1e-3 * quiet + 1e-14);
+        }
+    }
+}

@@ -31,6 +31,8 @@ pub(crate) struct AdaptiveSteps<T: Float> {
     pub(super) gradients: [Vec<T>; 2],
     /// The rounding error of ∇H at the end of a step, if it was computed.
     pub(super) gradient_rounding: Vec<T>,
+    /// Workspace for a direction and its product with ∇²H.
+    pub(super) products: [Vec<T>; 2],
     /// `None` if H is smooth, as far as is known.
     pub(super) crossings: Option<Crossings<T>>,
     pub(super) first: FirstSize<T>,

@@ -38,6 +38,7 @@ impl<T: Float> AdaptiveSteps<T> {
             decay: Decay::new(run.core.method(), (n, run.m), tolerance, allowed),
             flow: Flow::new(method.degree(), n),
             gradient_rounding: vec![T::int(0); n],
+            products: [(); 2].map(|()| vec![T::int(0); n]),
             gradients: [(); 2].map(|()| vec![T::int(0); n]),
             first: FirstSize::new(n),
             first_step: sizes.first_step,

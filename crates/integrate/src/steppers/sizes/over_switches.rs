@@ -14,6 +14,7 @@ use crate::steppers::integration::Integration;
 use crate::steppers::sizes::adaptive_steps::AdaptiveSteps;
 use crate::steppers::sizes::made::{EndIs, Made, Place};
 use equip_scalar::Float;
+use equip_solver::Core;
 
 impl<T: Float> AdaptiveSteps<T> {
     /// Attempts a step and its estimate, or only its stages if the step must end earlier, on a switch.
@@ -168,9 +169,12 @@ impl<T: Float> AdaptiveSteps<T> {
         let l = core.derivatives_by_component();
         let mut estimate = self.decay.estimate((y, h), l, ends, None);
         if !ends_on_switch && self.control.is_too_long(&estimate) {
-            let (energy, counts) = core.energy_and_counts();
-            counts.gradients += 1;
-            energy.gradient_rounding(&next.hi, &mut self.gradient_rounding);
+            take_rounding(
+                core,
+                (&next.hi, h),
+                &mut self.gradient_rounding,
+                &mut self.products,
+            );
             let l = core.derivatives_by_component();
             estimate = self
                 .decay
@@ -190,5 +194,26 @@ impl<T: Float> AdaptiveSteps<T> {
             estimate.decay = self.decay.with_flow(rho, flow);
         }
         estimate
+    }
+}
+
+/// Writes the rounding error of ∇H at the end `y` of a step of size `h` to `rounding`: of its operations, and
+/// of the stages, which carry the rounding of the forces that move them. `products` is workspace.
+fn take_rounding<T: Float>(
+    core: &mut Core<T>,
+    (y, h): (&[T], T),
+    rounding: &mut [T],
+    [moved, product]: &mut [Vec<T>; 2],
+) {
+    let (energy, counts) = core.energy_and_counts();
+    counts.gradients += 3;
+    energy.gradient_rounding(y, rounding);
+    let half = y.len() / 2;
+    for (c, moved) in moved.iter_mut().enumerate() {
+        *moved = h.abs() * rounding[(c + half) % y.len()];
+    }
+    energy.hessian_vector(y, moved, product);
+    for (rounding, product) in rounding.iter_mut().zip(&*product) {
+        *rounding += product.abs();
     }
 }
