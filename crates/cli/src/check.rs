@@ -19,12 +19,12 @@ mod verdict;
 use crate::args::CheckArgs;
 use crate::fault::Fault;
 use crate::run::progress::steps_of;
+use crate::text::Print;
 use crate::write::outputs::{Output, apart};
 use case::Case;
 use cases::catalogue;
 use measure::Row;
 use reference::Cache;
-use std::io::{Write, stdout};
 use std::num::NonZero;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -51,9 +51,9 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
     ])?;
     let create = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
     let (json, csv, html) = (create(&args.json)?, create(&args.csv)?, create(&args.html)?);
-    let rows = run_all(&cases)?;
+    let mut out = Print::default();
+    let rows = run_all(&cases, &mut out)?;
     let summary = Summary::of(&rows, begun);
-    let mut out = stdout().lock();
     table::end(&mut out, &rows, &summary)?;
     if let Some(file) = json {
         file.write(&documents::json(&rows, &summary)?)?;
@@ -65,7 +65,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
         file.write(&html::document(&rows, &summary))?;
     }
     match summary.failed {
-        0 => Ok(()),
+        0 => Ok(out.end()?),
         failed => Err(Fault::Check {
             failed,
             rows: summary.rows,
@@ -74,7 +74,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
 }
 
 /// Runs the cases on all cores and prints each as soon as all before it are printed.
-fn run_all(cases: &[Case]) -> Result<Vec<Row<'_>>, Fault> {
+fn run_all<'a>(cases: &'a [Case], out: &mut Print) -> Result<Vec<Row<'a>>, Fault> {
     let bar = steps_of("rows", cases.len());
     let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
     let (next, cache) = (AtomicUsize::new(0), Cache::default());
@@ -88,13 +88,8 @@ fn run_all(cases: &[Case]) -> Result<Vec<Row<'_>>, Fault> {
             let (next, cache, order) = (&next, &cache, &order);
             scope.spawn(move || {
                 while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    // The channel is closed if printing failed: then there is nothing left to do.
-                    if send
-                        .send((index, measure::row(&cases[index], cache)))
-                        .is_err()
-                    {
-                        break;
-                    }
+                    // All rows are received.
+                    let _ = send.send((index, measure::row(&cases[index], cache)));
                 }
             });
         }
@@ -106,13 +101,13 @@ fn run_all(cases: &[Case]) -> Result<Vec<Row<'_>>, Fault> {
             waiting[index] = Some(row);
             bar.inc(1);
             while let Some(row) = waiting.get_mut(rows.len()).and_then(Option::take) {
-                let mut text = Vec::new();
-                if row.case.theme != theme {
-                    theme = row.case.theme;
-                    table::head(&mut text, theme)?;
-                }
-                table::line(&mut text, &row)?;
-                bar.suspend(|| stdout().lock().write_all(&text))?;
+                bar.suspend(|| {
+                    if row.case.theme != theme {
+                        theme = row.case.theme;
+                        table::head(out, theme)?;
+                    }
+                    table::line(out, &row)
+                })?;
                 rows.push(row);
             }
         }

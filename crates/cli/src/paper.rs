@@ -15,11 +15,12 @@ mod statements;
 
 use crate::args::PaperArgs;
 use crate::fault::Fault;
+use crate::text::Print;
 use crate::write::outputs::{Output, apart};
 use figures::Paper;
 use statements::{Statement, statements};
 use std::fmt::Write as _;
-use std::io::{Write as _, stdout};
+use std::io::Write as _;
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<(), Fault> {
     apart(&[
@@ -40,7 +41,8 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<(), Fault> {
         residual,
         orbits,
     };
-    write!(stdout().lock(), "{}", text(&paper))?;
+    let mut out = Print::default();
+    write!(out, "{}", text(&paper))?;
     if let Some(file) = json {
         let text = serde_json::to_string_pretty(&paper).map_err(std::io::Error::from)?;
         file.write(&format!("{text}\n"))?;
@@ -50,7 +52,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<(), Fault> {
     }
     let rows = paper.statements.len();
     match paper.statements.iter().filter(|s| !s.holds).count() {
-        0 => Ok(()),
+        0 => Ok(out.end()?),
         failed => Err(Fault::Statements { failed, rows }),
     }
 }

@@ -127,8 +127,8 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     };
     drop(watch);
     drop(claim);
-    // What cannot be written does not take the certificate along.
-    report(args, &finished)?;
+    // What cannot be written does not take the certificate along, nor does a closed pipe hide a fault.
+    let printed = report(args, &finished);
     written.and(drawn)?;
     if let Some(signal) = signals::caught()
         && finished.run.stopped()
@@ -145,7 +145,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         });
     }
     match finished.error {
-        None => Ok(()),
+        None => printed,
         Some(error) => Err(Fault::integration(
             &error,
             finished.run.certificate().end.to_f64(),

@@ -1,6 +1,6 @@
 //! Numbers and lines of text that fit the terminal.
 
-use std::io::{Write, stderr};
+use std::io::{self, Write, stderr, stdout};
 
 /// Columns of a line at most.
 pub(crate) const WIDTH: usize = 100;
@@ -92,6 +92,33 @@ pub(crate) fn three_digits(x: f64) -> String {
             format!("{x:.decimals$}")
         }
         x => format!("{x:.2e}"),
+    }
+}
+
+/// The standard output. Its first error is kept until [`Print::end`]: every other fault comes before it.
+#[derive(Debug, Default)]
+pub(crate) struct Print(Option<io::Error>);
+
+impl Print {
+    pub(crate) fn end(mut self) -> io::Result<()> {
+        self.flush()?;
+        self.0.map_or(Ok(()), Err)
+    }
+}
+
+impl Write for Print {
+    fn write(&mut self, text: &[u8]) -> io::Result<usize> {
+        if self.0.is_none() {
+            self.0 = stdout().write_all(text).err();
+        }
+        Ok(text.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.0.is_none() {
+            self.0 = stdout().flush().err();
+        }
+        Ok(())
     }
 }
 

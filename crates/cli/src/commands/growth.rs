@@ -12,12 +12,13 @@ use crate::draw::figure::Look;
 use crate::draw::svg::{EQUIP, GAUSS, Mark};
 use crate::fault::Fault;
 use crate::run::progress::steps_of;
+use crate::text::Print;
 use crate::write::outputs::{Drawing, apart};
 use cpu_time::ThreadTime;
 use equip_integrate::{Certificate, Equip, Gauss, IntegrateError, Method, Record, StepView};
 use equip_scenes::Instance;
 use std::fmt::Write as _;
-use std::io::{Write as _, stdout};
+use std::io::Write as _;
 use std::ops::ControlFlow;
 
 /// Points of a curve in a decade of N.
@@ -99,7 +100,7 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
     let mut drawing = Drawing::new(&args.plot, args.csv.as_deref())?;
     let bar = steps_of("runs", 2 * orbits.len() * tolerances.len());
     let mut curves = Vec::new();
-    let mut out = stdout().lock();
+    let mut out = Print::default();
     writeln!(out, "{}", header(args.revolutions))?;
     for eccentricity in &args.eccentricities {
         for tolerance in &args.tolerances {
@@ -119,7 +120,7 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
     if let Some(path) = &args.csv {
         writeln!(out, "errors written to {}", path.display())?;
     }
-    Ok(())
+    Ok(out.end()?)
 }
 
 /// Whether the library takes the method and the tolerance.

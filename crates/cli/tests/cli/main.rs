@@ -5,6 +5,7 @@ mod failures;
 mod help;
 mod killed;
 mod pictures;
+mod printed;
 mod refused;
 mod tables;
 
