@@ -49,8 +49,8 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
         ("--csv", args.csv.as_deref()),
         ("--html", args.html.as_deref()),
     ])?;
-    let create = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
-    let (json, csv, html) = (create(&args.json)?, create(&args.csv)?, create(&args.html)?);
+    let open = |path: &Option<PathBuf>| path.as_deref().map(Output::open).transpose();
+    let (json, csv, html) = (open(&args.json)?, open(&args.csv)?, open(&args.html)?);
     let mut out = Print::default();
     let rows = run_all(&cases, &mut out)?;
     let summary = Summary::of(&rows, begun);

@@ -27,8 +27,8 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<(), Fault> {
         ("--json", args.json.as_deref()),
         ("--html", args.html.as_deref()),
     ])?;
-    let json = args.json.as_deref().map(Output::create).transpose()?;
-    let html = args.html.as_deref().map(Output::create).transpose()?;
+    let json = args.json.as_deref().map(Output::open).transpose()?;
+    let html = args.html.as_deref().map(Output::open).transpose()?;
     let instance = equip_scenes::find("kepler")?.instance(&[("e", "0.6")])?;
     let convergence = convergence::measure(&instance)?;
     let residual = residual::measure(&instance)?;

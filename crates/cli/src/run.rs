@@ -18,7 +18,7 @@ use crate::fault::Fault;
 use crate::text::{significant, without_long_numbers};
 use crate::write::checkpoint::{self, Saved, Saver};
 use crate::write::csv::Mark;
-use crate::write::lock::{Claim, empty, unwritten};
+use crate::write::lock::Claim;
 use crate::write::outputs::ordinary;
 use comparison::Comparison;
 use curve::curve;
@@ -221,7 +221,7 @@ fn picture<T: Float>(
     finished: &Finished<'_, T>,
     watch: &mut Watch<'_, T>,
 ) -> Result<(), Fault> {
-    let (Some(mut file), Some(path)) = (watch.drawing.take(), &args.plot) else {
+    let Some(file) = watch.drawing.take() else {
         return Ok(());
     };
     let compare =
@@ -243,10 +243,7 @@ fn picture<T: Float>(
         &finished.run,
         components(finished.instance),
     );
-    let text = draw(finished, watch, comparison.as_ref(), curve.as_ref());
-    empty(&file)
-        .and_then(|()| file.write_all(text.as_bytes()))
-        .map_err(|source| unwritten(path, source))
+    file.write(&draw(finished, watch, comparison.as_ref(), curve.as_ref()))
 }
 
 /// Step and end time.

@@ -101,3 +101,24 @@ fn a_checkpoint_that_is_being_written_is_refused() {
     assert_eq!(code, Some(2), "{error}");
     assert!(error.contains("name two files"), "{error}");
 }
+
+/// A program that is killed before its result leaves the files of the one before.
+#[test]
+fn what_is_in_a_file_stays_until_there_is_more() {
+    let home = directory("interrupted");
+    std::fs::write(home.join("a"), "precious").unwrap();
+    for arguments in [
+        "check --json a --html opened-by-check",
+        "section henon-heiles --orbits 5000 --csv a --plot opened-by-section",
+    ] {
+        let program = equip(&home, arguments).stdout(Stdio::null()).spawn();
+        let running = Running(program.unwrap());
+        let (_, last) = arguments.rsplit_once(' ').unwrap();
+        while !home.join(last).exists() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        drop(running);
+        let left = std::fs::read(home.join("a")).unwrap();
+        assert_eq!(left, b"precious", "{arguments}");
+    }
+}

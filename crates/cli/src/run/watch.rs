@@ -8,6 +8,7 @@ use crate::text::say;
 use crate::write::checkpoint::Saver;
 use crate::write::csv::{Mark, Row, Rows};
 use crate::write::lock::{self, unwritten};
+use crate::write::outputs::Output;
 use equip_integrate::{Checkpoint, Observer, Run, StepView};
 use equip_scalar::Float;
 use std::fs::File;
@@ -30,7 +31,7 @@ pub(crate) struct Watch<'a, T> {
     pub(crate) follows_chaos: bool,
     pub(crate) progress: Progress,
     rows: Option<Rows>,
-    pub(crate) drawing: Option<File>,
+    pub(crate) drawing: Option<Output>,
     /// Keeps checkpoints.
     pub(crate) saver: Option<Saver>,
     /// Of a run that goes on from a checkpoint.
@@ -98,9 +99,7 @@ impl<'a, T: Float> Watch<'a, T> {
             (None, Some((path, _))) => (true, Some(lock::open(path)?)),
             (table, _) => (false, table),
         };
-        if let Some(path) = &self.plot {
-            self.drawing = Some(lock::open(path)?);
-        }
+        self.drawing = self.plot.as_deref().map(Output::open).transpose()?;
         if let (Some(table), Some((path, mark))) = (table, &self.out) {
             let rows = if is_new {
                 lock::empty(&table).and_then(|()| Rows::start(table, mark.clone(), (q, p)))

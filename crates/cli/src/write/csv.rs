@@ -307,7 +307,7 @@ mod tests {
         };
         let mark = Mark::new(1, 2, false);
         let mut rows =
-            Rows::start(lock::create(&path).unwrap(), mark.clone(), (&[0.5], &[2.0])).unwrap();
+            Rows::start(lock::open(&path).unwrap(), mark.clone(), (&[0.5], &[2.0])).unwrap();
         for index in 1..=3 {
             rows.step(row(index), false).unwrap();
         }

@@ -25,16 +25,6 @@ pub(crate) fn reopen(path: &Path) -> Result<File, Fault> {
     locked(path, OpenOptions::new().read(true).write(true))
 }
 
-/// Opens an empty file for writing, locked.
-///
-/// # Errors
-/// As of [`open`]; then what was in the file is still there.
-pub(crate) fn create(path: &Path) -> Result<File, Fault> {
-    let file = open(path)?;
-    empty(&file).map_err(|source| unwritten(path, source))?;
-    Ok(file)
-}
-
 /// Drops what is in a file. A device or a pipe has nothing to drop.
 pub(crate) fn empty(file: &File) -> io::Result<()> {
     match file.metadata()?.is_file() {
@@ -125,21 +115,21 @@ fn is_at(_file: &File, _path: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Claim, beside, create, open};
+    use super::{Claim, beside, empty, open};
     use crate::fault::Fault;
     use std::io::Write;
 
     #[test]
     fn a_file_is_written_by_one_and_keeps_what_is_in_it() {
         let path = std::env::temp_dir().join(format!("equip-lock-{}", std::process::id()));
-        let mut first = create(&path).unwrap();
+        let mut first = open(&path).unwrap();
         first.write_all(b"whole").unwrap();
-        assert!(matches!(create(&path), Err(Fault::InUse { .. })));
+        assert!(matches!(open(&path), Err(Fault::InUse { .. })));
         assert_eq!(std::fs::read(&path).unwrap(), b"whole");
         drop(first);
-        drop(open(&path).unwrap());
+        let second = open(&path).unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"whole");
-        drop(create(&path).unwrap());
+        empty(&second).unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"");
         std::fs::remove_file(&path).unwrap();
     }

@@ -1,4 +1,4 @@
-//! Files that a command writes: apart from each other, and made before the work.
+//! Files that a command writes: apart from each other, and opened before the work.
 
 use crate::fault::Fault;
 use crate::write::lock::{self, unwritten};
@@ -82,8 +82,8 @@ impl<'a> Drawing<'a> {
     /// Makes the files, once: when the first part of the work is done, so that bad input leaves them alone.
     pub(crate) fn create(&mut self) -> Result<(), Fault> {
         if self.files.is_none() {
-            let csv = self.csv.map(Output::create).transpose()?;
-            self.files = Some((Output::create(self.plot)?, csv));
+            let csv = self.csv.map(Output::open).transpose()?;
+            self.files = Some((Output::open(self.plot)?, csv));
         }
         Ok(())
     }
@@ -98,7 +98,8 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// A file made before the work: a path that cannot be written is worth knowing at once.
+/// A file opened before the work: a path that cannot be written is worth knowing at once. What is in it stays
+/// until there is something to write.
 #[derive(Debug)]
 pub(crate) struct Output {
     path: PathBuf,
@@ -106,14 +107,14 @@ pub(crate) struct Output {
 }
 
 impl Output {
-    pub(crate) fn create(path: &Path) -> Result<Self, Fault> {
-        let file = lock::create(path)?;
+    pub(crate) fn open(path: &Path) -> Result<Self, Fault> {
+        let file = lock::open(path)?;
         let path = path.to_owned();
         Ok(Output { path, file })
     }
 
     pub(crate) fn write(mut self, text: &str) -> Result<(), Fault> {
-        let written = self.file.write_all(text.as_bytes());
+        let written = lock::empty(&self.file).and_then(|()| self.file.write_all(text.as_bytes()));
         written.map_err(|source| unwritten(&self.path, source))
     }
 }
