@@ -4,15 +4,12 @@ use crate::text::significant;
 use equip_integrate::{IntegrateError, RunFailure};
 use equip_scalar::{Float, ParseFloatError};
 use equip_scenes::SceneError;
-use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Exit code of a run that began and could not be finished, its output up to there written, and of a failed
 /// check.
 const INTEGRATION_FAILED: u8 = 1;
-/// Exit code of a file at the limit of its size: of the signal that comes with it, SIGXFSZ.
-const FILE_TOO_LARGE: u8 = 128 + 25;
 /// Exit code of wrong usage and bad input, the same as that of the argument parser.
 const BAD_INPUT: u8 = 2;
 
@@ -37,12 +34,13 @@ pub(crate) enum Fault {
         source: std::io::Error,
     },
     #[error(
-        "cannot write all of {}: {source}; make room, raise the limit of the size of files (ulimit -f), or write less often with --every",
+        "cannot write all of {}: {source}; make room, or raise the limit of the size of files (ulimit -f){advice}",
         path.display()
     )]
     NoRoom {
         path: PathBuf,
         source: std::io::Error,
+        advice: &'static str,
     },
     #[error("cannot read {}: {source}; check the path and its permissions", path.display())]
     Read {
@@ -146,9 +144,6 @@ impl Fault {
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Fault::Interrupted { exit_code, .. } => *exit_code,
-            Fault::NoRoom { source, .. } if source.kind() == ErrorKind::FileTooLarge => {
-                FILE_TOO_LARGE
-            }
             Fault::NoRoom { .. }
             | Fault::Integration { .. }
             | Fault::Check { .. }

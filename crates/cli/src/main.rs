@@ -16,11 +16,12 @@ mod write;
 use args::Command;
 use commands::{growth, scenes, section};
 use fault::Fault;
+use run::signals;
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let done = match args::parse().command {
+    let done = signals::outlive_size_limit().and_then(|()| match args::parse().command {
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Run(args) => run::run(&args),
         Command::Section(args) => section::section(&args),
@@ -28,7 +29,7 @@ fn main() -> ExitCode {
         Command::Check(args) => check::check(&args),
         Command::Paper(args) => paper::paper(&args),
         Command::Report(args) => report::report(&args),
-    };
+    });
     match done {
         Ok(()) => ExitCode::SUCCESS,
         // The reader of a pipe had enough: `equip scenes | head`.

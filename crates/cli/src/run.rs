@@ -9,7 +9,7 @@ mod json;
 mod method;
 mod picture;
 pub(crate) mod progress;
-mod signals;
+pub(crate) mod signals;
 mod watch;
 
 use crate::args::{MethodName, Precision, ReachName, RunArgs, number, positive};

@@ -2,29 +2,42 @@
 
 use crate::fault::Fault;
 use signal_hook::flag;
+use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock};
 
 static CAUGHT: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 
 /// From here on the first SIGINT (Ctrl-C), SIGTERM, SIGHUP or SIGUSR1 ends the run after its present step;
-/// the second ends the program at once. SIGXCPU and SIGXFSZ end the run the same way; the system repeats
-/// both, so that a second one of these ends nothing.
+/// the second ends the program at once. SIGXCPU ends the run the same way; the system repeats it, so that a
+/// second one ends nothing.
 ///
 /// # Errors
 /// If the system does not allow it.
 pub(crate) fn catch() -> Result<(), Fault> {
-    let fault = |error| Fault::Start(Box::new(error));
     let asked = Arc::new(AtomicBool::new(false));
     for &signal in ENDING {
         flag::register_conditional_shutdown(signal, exit_code(signal).into(), asked.clone())
-            .map_err(fault)?;
+            .map_err(refused)?;
     }
-    for &signal in ENDING.iter().chain(LIMITS) {
-        flag::register(signal, asked.clone()).map_err(fault)?;
-        flag::register_usize(signal, CAUGHT.clone(), signal as usize).map_err(fault)?;
+    for &signal in ENDING.iter().chain(TIME_LIMIT) {
+        flag::register(signal, asked.clone()).map_err(refused)?;
+        flag::register_usize(signal, CAUGHT.clone(), signal as usize).map_err(refused)?;
     }
     Ok(())
+}
+
+/// From here on a write beyond the limit of the size of files fails; SIGXFSZ does not end the program.
+///
+/// # Errors
+/// If the system does not allow it.
+pub(crate) fn outlive_size_limit() -> Result<(), Fault> {
+    let caught = |&signal| flag::register(signal, Arc::default()).map(drop);
+    SIZE_LIMIT.iter().try_for_each(caught).map_err(refused)
+}
+
+fn refused(error: io::Error) -> Fault {
+    Fault::Start(Box::new(error))
 }
 
 /// The signal that came, if one did.
@@ -53,8 +66,11 @@ const ENDING: &[i32] = &[
 const ENDING: &[i32] = &[signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM];
 
 /// Signals of a limit that is reached: of processor time, with some seconds left, and of the size of files.
-/// The write that went beyond the latter has failed.
 #[cfg(unix)]
-const LIMITS: &[i32] = &[signal_hook::consts::SIGXCPU, signal_hook::consts::SIGXFSZ];
+const TIME_LIMIT: &[i32] = &[signal_hook::consts::SIGXCPU];
+#[cfg(unix)]
+const SIZE_LIMIT: &[i32] = &[signal_hook::consts::SIGXFSZ];
 #[cfg(not(unix))]
-const LIMITS: &[i32] = &[];
+const TIME_LIMIT: &[i32] = &[];
+#[cfg(not(unix))]
+const SIZE_LIMIT: &[i32] = &[];

@@ -12,8 +12,9 @@ use crate::write::outputs::Output;
 use equip_integrate::{Checkpoint, Observer, Run, StepView};
 use equip_scalar::Float;
 use std::fs::File;
+use std::io;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Files are made at the first step: late enough to leave them alone on bad input, early enough to miss no
 /// hour's work.
@@ -106,7 +107,7 @@ impl<'a, T: Float> Watch<'a, T> {
             } else {
                 Rows::go_on(table, mark.clone())
             };
-            self.rows = Some(rows.map_err(|e| unwritten(path, e))?);
+            self.rows = Some(rows.map_err(|e| unwritten_rows(path, e))?);
         }
         if let Some(resumed) = &self.resumed {
             resumed.notes.iter().for_each(|note| say(note));
@@ -147,7 +148,7 @@ impl<'a, T: Float> Watch<'a, T> {
                 outcome: view.outcome.label(),
                 chaos: view.chaos,
             };
-            (rows.step(row, self.at_end)).map_err(|e| unwritten(path, e))?;
+            (rows.step(row, self.at_end)).map_err(|e| unwritten_rows(path, e))?;
         }
         Ok(())
     }
@@ -155,7 +156,9 @@ impl<'a, T: Float> Watch<'a, T> {
     /// Rows first: what a checkpoint speaks of must be in the table, and on the disk.
     fn save(&mut self, checkpoint: Checkpoint) -> Result<(), Fault> {
         let mark = match (&mut self.rows, &self.out) {
-            (Some(rows), Some((path, _))) => Some(rows.sync().map_err(|e| unwritten(path, e))?),
+            (Some(rows), Some((path, _))) => {
+                Some(rows.sync().map_err(|e| unwritten_rows(path, e))?)
+            }
             _ => None,
         };
         let picture = self.plot.is_some().then(|| self.picture.clone());
@@ -197,7 +200,7 @@ impl<'a, T: Float> Watch<'a, T> {
                 outcome: run.outcomes().last().map_or("", |outcome| outcome.label()),
                 chaos: run.certificate().chaos,
             };
-            rows.finish(last).map_err(|e| unwritten(path, e))?;
+            rows.finish(last).map_err(|e| unwritten_rows(path, e))?;
         }
         Ok(())
     }
@@ -222,5 +225,17 @@ impl<T: Float> Observer<T> for Watch<'_, T> {
     fn checkpoint(&mut self, checkpoint: Checkpoint) -> ControlFlow<()> {
         let saved = self.save(checkpoint);
         self.go_on_if(saved)
+    }
+}
+
+/// A fault of the table, which may have fewer rows.
+fn unwritten_rows(path: &Path, source: io::Error) -> Fault {
+    match unwritten(path, source) {
+        Fault::NoRoom { path, source, .. } => Fault::NoRoom {
+            path,
+            source,
+            advice: ", or write less often with --every",
+        },
+        other => other,
     }
 }

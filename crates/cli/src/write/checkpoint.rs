@@ -17,7 +17,7 @@ use fnv::FnvHasher;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::hash::Hasher;
-use std::io::{BufWriter, ErrorKind, Read, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -63,6 +63,15 @@ impl Saved {
         }
         Ok(())
     }
+
+    fn write(&self, path: &Path) -> io::Result<()> {
+        let text = serde_json::to_string(self)?;
+        let mut file = File::create(path)?;
+        let checksum = checksum(text.as_bytes());
+        writeln!(file, "{NAME} {VERSION} {checksum:016x}")?;
+        file.write_all(text.as_bytes())?;
+        file.sync_all()
+    }
 }
 
 /// When and where checkpoints are written.
@@ -98,7 +107,6 @@ impl Saver {
         table: Option<Mark>,
         picture: Option<Picture>,
     ) -> Result<(), Fault> {
-        let fault = |source| unwritten(&self.path, source);
         let saved = Saved {
             scene: self.scene.to_owned(),
             parameters: self.parameters.clone(),
@@ -106,16 +114,15 @@ impl Saver {
             picture,
             checkpoint,
         };
-        let text = serde_json::to_string(&saved).map_err(|e| fault(e.into()))?;
         let new = unfinished(&self.path);
-        let mut file = BufWriter::new(File::create(&new).map_err(fault)?);
-        let checksum = checksum(text.as_bytes());
-        write!(file, "{NAME} {VERSION} {checksum:016x}\n{text}").map_err(fault)?;
-        file.flush().map_err(fault)?;
-        file.get_ref().sync_all().map_err(fault)?;
-        std::fs::rename(&new, &self.path).map_err(fault)?;
+        let written = saved.write(&new);
+        let written = written.and_then(|()| std::fs::rename(&new, &self.path));
         self.last = Instant::now();
-        Ok(())
+        written.map_err(|source| {
+            // Part of a checkpoint is of no use.
+            let _ = std::fs::remove_file(&new);
+            unwritten(&self.path, source)
+        })
     }
 }
 

@@ -48,7 +48,12 @@ pub(crate) fn unwritten(path: &Path, source: io::Error) -> Fault {
     let path = path.to_owned();
     match source.kind() {
         ErrorKind::FileTooLarge | ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
-            Fault::NoRoom { path, source }
+            let advice = "";
+            Fault::NoRoom {
+                path,
+                source,
+                advice,
+            }
         }
         _ => Fault::Write { path, source },
     }

@@ -119,7 +119,7 @@ fn a_killed_run_goes_on_as_if_it_had_not_been() {
 #[cfg(unix)]
 fn limited(limit: &str, arguments: &str) -> std::process::Output {
     let program = env!("CARGO_BIN_EXE_equip");
-    let line = format!("ulimit {limit}; exec {program} run kepler --quiet {arguments}");
+    let line = format!("ulimit {limit}; exec {program} {arguments}");
     Command::new("sh").args(["-c", &line]).output().unwrap()
 }
 
@@ -128,7 +128,7 @@ fn limited(limit: &str, arguments: &str) -> std::process::Output {
 fn the_limit_of_processor_time_ends_a_run_with_its_table() {
     let out = file("processor-time.csv");
     let path = out.to_str().unwrap();
-    let arguments = format!("--step 1/50 --until 1e8 --every 1000 --out {path}");
+    let arguments = format!("run kepler -q --step 1/50 --until 1e8 --every 1000 --out {path}");
     let output = limited("-S -t 1", &arguments);
     let message = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(128 + 24), "{message}");
@@ -145,7 +145,12 @@ fn a_file_at_the_limit_of_its_size_is_named_and_the_run_goes_on_later() {
     let (out, whole) = (file("size.csv"), file("size-whole.csv"));
     let checkpoint = file("size.checkpoint");
     let _ = std::fs::remove_file(&checkpoint);
-    let run = |out: &PathBuf| format!("--step 1/50 --until 600 --out {}", out.display());
+    let run = |out: &PathBuf| {
+        format!(
+            "run kepler -q --step 1/50 --until 600 --out {}",
+            out.display()
+        )
+    };
     let with = format!(
         "{} --checkpoint {} --checkpoint-every 0.01",
         run(&out),
@@ -154,12 +159,44 @@ fn a_file_at_the_limit_of_its_size_is_named_and_the_run_goes_on_later() {
     // 2 MB of the 3 MB of the table, in blocks of 512 bytes or of 1024.
     let output = limited("-f 2000", &with);
     let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(128 + 25), "{message}");
+    assert_eq!(output.status.code(), Some(1), "{message}");
     assert!(message.contains("cannot write all of") && message.contains("ulimit -f"));
-    assert!(message.contains("size.csv"), "{message}");
+    assert!(
+        message.contains("size.csv") && message.contains("--every"),
+        "{message}"
+    );
     for arguments in [&with, &run(&whole)] {
         assert!(limited("-S -c 0", arguments).status.success());
     }
     let read = |path| std::fs::read_to_string(path).unwrap();
     assert!(read(&out) == read(&whole), "another table");
+}
+
+/// Of every command, and with advice that the command can follow.
+#[test]
+#[cfg(unix)]
+fn a_file_that_does_not_fit_is_named() {
+    let path = |name: &str| file(name).display().to_string();
+    let (plot, checkpoint) = (path("small.svg"), path("small.checkpoint"));
+    for (arguments, name) in [
+        ("section henon-heiles --orbits 2 --until 50 --plot", &plot),
+        (
+            "growth --revolutions 1 --eccentricities 0.6 --tolerances 1e-9 --plot",
+            &plot,
+        ),
+        ("check --only hanging --html", &plot),
+        ("paper --html", &plot),
+        ("run kepler --until 1 --plot", &plot),
+        ("run kepler --until 1 --checkpoint", &checkpoint),
+    ] {
+        let output = limited("-f 1", &format!("{arguments} {name}"));
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments}: {message}");
+        let words = format!("cannot write all of {name}: ");
+        assert!(
+            message.contains(&words) && !message.contains("--every"),
+            "{message}"
+        );
+    }
+    assert!(!file("small.checkpoint.new").exists());
 }
