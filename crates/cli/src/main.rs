@@ -23,7 +23,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let done = signals::outlive_size_limit().and_then(|()| match args::parse().command {
         Command::Scenes(args) => scenes::scenes(&args),
-        Command::Run(args) => run::run(&args),
+        Command::Run(mut args) => run::run(&mut args),
         Command::Section(args) => section::section(&args),
         Command::Growth(args) => growth::growth(&args),
         Command::Check(args) => check::check(&args),

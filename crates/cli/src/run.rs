@@ -16,10 +16,10 @@ use crate::args::{MethodName, Precision, ReachName, RunArgs, number, positive};
 use crate::draw::samples::Picture;
 use crate::fault::Fault;
 use crate::text::{significant, without_long_numbers};
-use crate::write::checkpoint::{self, Saved, Saver};
+use crate::write::checkpoint::{self, Saved, Saver, unfinished};
 use crate::write::csv::Mark;
-use crate::write::lock::Claim;
-use crate::write::outputs::ordinary;
+use crate::write::lock::{Claim, ordinary};
+use crate::write::outputs::behind_link;
 use comparison::Comparison;
 use curve::curve;
 use equip_integrate::{
@@ -36,7 +36,8 @@ use std::io::{Write, stdout};
 use std::time::Duration;
 use watch::{Resumed, Watch};
 
-pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
+pub(crate) fn run(args: &mut RunArgs) -> Result<(), Fault> {
+    args.checkpoint = args.checkpoint.take().map(behind_link);
     asked::check(args)?;
     let instance = args.instance()?;
     match args.precision {
@@ -92,8 +93,10 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
             let expected = "a number of seconds from 0 to 1e18";
             Fault::option("--checkpoint-every", seconds, expected)
         })?;
-        ordinary("--checkpoint", path)?;
-        claim = Some(Claim::new(path)?);
+        for replaced in [path, &unfinished(path)] {
+            ordinary("--checkpoint", replaced)?;
+        }
+        claim = Some(Claim::new("--checkpoint", path)?);
         watch.saver = Some(Saver::new(path, every, instance));
         if let Some(saved) = checkpoint::load(path)? {
             saved.check(path, instance)?;

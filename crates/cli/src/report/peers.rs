@@ -6,7 +6,7 @@ use crate::draw::page::table;
 use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark, escape};
 use crate::fault::Fault;
 use crate::text::three_digits;
-use crate::write::outputs::ordinary;
+use crate::write::lock::ordinary;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -33,6 +33,20 @@ pub(crate) fn empty(file: &File) -> io::Result<()> {
     }
 }
 
+/// Refuses a directory or a device where a file is to be replaced by another.
+///
+/// # Errors
+/// [`Fault::Option`].
+pub(crate) fn ordinary(option: &'static str, path: &Path) -> Result<(), Fault> {
+    match std::fs::metadata(path) {
+        Ok(found) if !found.is_file() => {
+            Err(Fault::option(option, path.display(), "an ordinary file"))
+        }
+        // What else is wrong shows when it is opened.
+        _ => Ok(()),
+    }
+}
+
 fn locked(path: &Path, options: &OpenOptions) -> Result<File, Fault> {
     let file = (options.open(path)).map_err(|source| unwritten(path, source))?;
     let metadata = (file.metadata()).map_err(|source| unwritten(path, source))?;
@@ -70,15 +84,17 @@ pub(crate) struct Claim {
 
 impl Claim {
     /// # Errors
-    /// [`Fault::InUse`] with `name` if another program has claimed it, [`Fault::Write`] if the file beside it
-    /// cannot be made.
-    pub(crate) fn new(name: &Path) -> Result<Self, Fault> {
+    /// [`Fault::InUse`] with `name` if another program has claimed it, [`Fault::Start`] if the file beside it
+    /// cannot be made, [`Fault::Option`] if it is no ordinary file.
+    pub(crate) fn new(option: &'static str, name: &Path) -> Result<Self, Fault> {
         let path = beside(name);
+        ordinary(option, &path)?;
         loop {
             let file = open(&path).map_err(|fault| match fault {
                 Fault::InUse { .. } => Fault::InUse {
                     path: name.to_owned(),
                 },
+                Fault::Write { source, .. } => Fault::Start(Box::new(unwritten(name, source))),
                 other => other,
             })?;
             // The file of a program that ended between the opening and the lock is no longer there.
@@ -143,13 +159,13 @@ mod tests {
     fn a_claim_is_taken_off_and_one_left_behind_does_not_block() {
         let name = std::env::temp_dir().join(format!("equip-claim-{}", std::process::id()));
         std::fs::write(beside(&name), "").unwrap();
-        let first = Claim::new(&name).unwrap();
-        let Err(Fault::InUse { path }) = Claim::new(&name) else {
+        let first = Claim::new("--out", &name).unwrap();
+        let Err(Fault::InUse { path }) = Claim::new("--out", &name) else {
             panic!("claimed twice");
         };
         assert_eq!(path, name);
         drop(first);
         assert!(!beside(&name).exists());
-        drop(Claim::new(&name).unwrap());
+        drop(Claim::new("--out", &name).unwrap());
     }
 }

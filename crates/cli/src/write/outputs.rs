@@ -26,17 +26,11 @@ pub(crate) fn apart(outputs: &[(&'static str, Option<&Path>)]) -> Result<(), Fau
     Ok(())
 }
 
-/// Refuses a directory or a device where a file is to be replaced by another.
-///
-/// # Errors
-/// [`Fault::Option`].
-pub(crate) fn ordinary(option: &'static str, path: &Path) -> Result<(), Fault> {
-    match std::fs::metadata(path) {
-        Ok(found) if !found.is_file() => {
-            Err(Fault::option(option, path.display(), "an ordinary file"))
-        }
-        // What else is wrong shows when it is opened.
-        _ => Ok(()),
+/// The file that a link leads to, whether it is there or not; other paths as they are.
+pub(crate) fn behind_link(path: PathBuf) -> PathBuf {
+    match path.is_symlink() {
+        true => place(&path),
+        false => path,
     }
 }
 
@@ -49,6 +43,9 @@ fn place(path: &Path) -> PathBuf {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
+    if let (Ok(false), Ok(target)) = (path.try_exists(), path.read_link()) {
+        return place(&directory.join(target));
+    }
     match (directory.canonicalize(), path.file_name()) {
         (Ok(directory), Some(name)) => directory.join(name),
         _ => path.to_owned(),

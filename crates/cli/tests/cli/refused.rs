@@ -69,3 +69,49 @@ fn a_refused_run_does_not_say_that_it_goes_on() {
         "{text}"
     );
 }
+
+#[test]
+#[cfg(unix)]
+fn a_link_to_a_checkpoint_is_no_second_one() {
+    let home = directory("link");
+    let link = |target: &str| std::os::unix::fs::symlink(target, home.join("c")).unwrap();
+    // The file that the link leads to is not there at first.
+    std::fs::create_dir(home.join("far")).unwrap();
+    link("far/real");
+    for until in ["1", "2"] {
+        let (code, text) = run(&home, &["--until", until]);
+        assert_eq!(code, Some(0), "{text}");
+        assert_eq!(text.contains("resuming"), until == "2", "{text}");
+        assert!(home.join("c").is_symlink() && home.join("far/real").is_file());
+    }
+    let lock = std::fs::File::create(home.join("far/real.lock")).unwrap();
+    lock.lock().unwrap();
+    let (code, text) = run(&home, &["--until", "3"]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("far/real is being written"), "{text}");
+    std::fs::remove_file(home.join("c")).unwrap();
+    link("c");
+    let (code, text) = run(&home, &["--until", "3"]);
+    assert_eq!(code, Some(2), "{text}");
+}
+
+#[test]
+#[cfg(unix)]
+fn what_is_beside_a_checkpoint_is_an_ordinary_file() {
+    let home = directory("beside");
+    for name in ["c.new", "c.lock"] {
+        let path = home.join(name);
+        Command::new("mkfifo").arg(&path).status().unwrap();
+        let (code, text) = run(&home, &["--until", "1"]);
+        assert_eq!(code, Some(2), "{text}");
+        let words = format!("--checkpoint is {name}; it must be an ordinary file");
+        assert!(text.contains(&words), "{text}");
+        std::fs::remove_file(path).unwrap();
+    }
+    let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
+    program.args(["run", "kepler", "--checkpoint", "nowhere/c"]);
+    let output = program.output().unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("cannot write nowhere/c: "), "{text}");
+}
