@@ -20,7 +20,7 @@ use crate::args::CheckArgs;
 use crate::fault::Fault;
 use crate::run::progress::steps_of;
 use crate::text::Print;
-use crate::write::outputs::{Output, apart};
+use crate::write::outputs::{Output, apart, printed};
 use case::Case;
 use cases::catalogue;
 use measure::Row;
@@ -48,6 +48,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
         ("--json", args.json.as_deref()),
         ("--csv", args.csv.as_deref()),
         ("--html", args.html.as_deref()),
+        printed(),
     ])?;
     let open = |path: &Option<PathBuf>| path.as_deref().map(Output::open).transpose();
     let (json, csv, html) = (open(&args.json)?, open(&args.csv)?, open(&args.html)?);

@@ -16,7 +16,7 @@ mod statements;
 use crate::args::PaperArgs;
 use crate::fault::Fault;
 use crate::text::Print;
-use crate::write::outputs::{Output, apart};
+use crate::write::outputs::{Output, apart, printed};
 use figures::Paper;
 use statements::{Statement, statements};
 use std::fmt::Write as _;
@@ -26,6 +26,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<(), Fault> {
     apart(&[
         ("--json", args.json.as_deref()),
         ("--html", args.html.as_deref()),
+        printed(),
     ])?;
     let json = args.json.as_deref().map(Output::open).transpose()?;
     let html = args.html.as_deref().map(Output::open).transpose()?;

@@ -13,7 +13,7 @@ use crate::draw::svg::{EQUIP, GAUSS, Mark};
 use crate::fault::Fault;
 use crate::run::progress::steps_of;
 use crate::text::Print;
-use crate::write::outputs::{Drawing, apart};
+use crate::write::outputs::{Drawing, apart, printed};
 use cpu_time::ThreadTime;
 use equip_integrate::{Certificate, Equip, Gauss, IntegrateError, Method, Record, StepView};
 use equip_scenes::Instance;
@@ -90,7 +90,11 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
         let expected = "at most 6, which can be told apart in the picture";
         return Err(Fault::option("--tolerances", value, expected));
     }
-    apart(&[("--plot", Some(&args.plot)), ("--csv", args.csv.as_deref())])?;
+    apart(&[
+        ("--plot", Some(&args.plot)),
+        ("--csv", args.csv.as_deref()),
+        printed(),
+    ])?;
     for is_equip in [true, false] {
         for &(text, tolerance) in &tolerances {
             let method = method(is_equip, args.stages);

@@ -5,7 +5,7 @@ use crate::fault::Fault;
 use crate::text::say;
 use crate::write::checkpoint::unfinished;
 use crate::write::lock::beside;
-use crate::write::outputs::apart;
+use crate::write::outputs::{apart, printed};
 
 /// Refuses two outputs in one file, and says which options change nothing.
 ///
@@ -15,12 +15,14 @@ pub(crate) fn check(args: &RunArgs) -> Result<(), Fault> {
     let checkpoint = args.checkpoint.as_deref();
     let new = checkpoint.map(unfinished);
     let lock = checkpoint.map(beside);
+    let (name, standard) = printed();
     apart(&[
         ("--out", args.out.as_deref()),
         ("--plot", args.plot.as_deref()),
         ("--checkpoint", checkpoint),
         ("--checkpoint, while it is written,", new.as_deref()),
         ("--checkpoint, by its lock,", lock.as_deref()),
+        (name, standard.filter(|_| !args.quiet)),
     ])?;
     for (option, why) in without_effect(args) {
         say(&format!("note: {option} changes nothing: {why}"));

@@ -26,6 +26,13 @@ pub(crate) fn apart(outputs: &[(&'static str, Option<&Path>)]) -> Result<(), Fau
     Ok(())
 }
 
+/// The standard output, if it is an ordinary file. Another output in that file would be written over
+/// it.
+pub(crate) fn printed() -> (&'static str, Option<&'static Path>) {
+    let path = Path::new("/dev/stdout");
+    ("the standard output", path.is_file().then_some(path))
+}
+
 /// The file that a link leads to, whether it is there or not; other paths as they are.
 pub(crate) fn behind_link(path: PathBuf) -> PathBuf {
     match path.is_symlink() {

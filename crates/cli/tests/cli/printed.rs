@@ -62,3 +62,36 @@ fn a_closed_pipe_hides_no_signal() {
     assert_eq!(code, Some(143), "{error}");
     assert!(error.contains("the same command resumes from"), "{error}");
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn an_output_is_not_written_over_what_is_printed() {
+    let path = file("both.txt");
+    let name = path.to_str().unwrap();
+    let printed = |arguments: &str| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
+        program.args(arguments.split(' '));
+        program.stdout(std::fs::File::create(&path).unwrap());
+        let output = program.output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        (output.status.code(), error)
+    };
+    let section = "section henon-heiles --orbits 1 --until 1 --plot /proc/self/fd/1";
+    for arguments in [
+        "run kepler --until 1 --out /dev/stdout",
+        "run kepler --until 1 --json --plot /dev/stdout",
+        &format!("run kepler --until 1 --out {name}"),
+        "check --only hanging --csv /dev/stdout",
+        "paper --json /dev/stdout",
+        section,
+    ] {
+        let (code, error) = printed(arguments);
+        assert_eq!(code, Some(2), "{arguments}: {error}");
+        let words = "and the standard output are both to be written to";
+        assert!(error.contains(words), "{arguments}: {error}");
+    }
+    let quiet = printed("run kepler --until 1 --quiet --out /dev/stdout");
+    assert_eq!(quiet, (Some(0), String::new()));
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.starts_with("t,q1,q2,"), "{text}");
+}
