@@ -23,7 +23,7 @@ use crate::fault::Fault;
 use crate::limits::LEVELS;
 use crate::run::progress::steps_of;
 use crate::text::wrapped;
-use crate::write::lock::unwritten;
+use crate::write::lock::{Claim, unwritten};
 use contender::contenders;
 use equip_scalar::{DoubleDouble, Float};
 use indicatif::ProgressBar;
@@ -63,6 +63,9 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
     }
     // A directory that cannot be made is worth knowing before the work.
     fs::create_dir_all(&args.out).map_err(|source| unwritten(&args.out, source))?;
+    let page = args.out.join("report.html");
+    // Two reports in one directory would mix.
+    let _claim = Claim::new("--out", &page)?;
     let total = match (args.seconds, args.quick) {
         (Some(seconds), _) => Duration::from_secs_f64(seconds),
         (None, true) => QUICK,
@@ -125,7 +128,6 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
         let path = args.out.join(name);
         fs::write(&path, text).map_err(|source| unwritten(&path, source))?;
     }
-    let page = args.out.join("report.html");
     let scenes = match results.len() {
         0 => "report".into(),
         1 => "1 scene".into(),

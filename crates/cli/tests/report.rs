@@ -218,6 +218,18 @@ fn bad_usage_is_told_before_the_work() {
     told(&["--only", "no such scene"], 2, "--only");
     told(&["--seconds", "0"], 2, "positive");
     told(&["--peers", "Cargo.toml"], 2, "peers.json");
+    let peers = directory("unprintable.json");
+    for title in ["a\\u0000b", "a\\nb", &"a".repeat(300)] {
+        std::fs::write(&peers, PEERS.replace("Kepler e = 0.6", title)).unwrap();
+        told(&["--peers", peers.to_str().unwrap()], 2, "peers.json");
+    }
+    // Another program writes to the directory.
+    let busy = directory("report-busy");
+    std::fs::create_dir_all(&busy).unwrap();
+    let lock = std::fs::File::create(busy.join("report.html.lock")).unwrap();
+    lock.lock().unwrap();
+    let words = "report.html is being written by another program";
+    told(&["--out", busy.to_str().unwrap()], 2, words);
     let file = directory("a-file");
     std::fs::write(&file, "").unwrap();
     told(

@@ -7,15 +7,18 @@ use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark, escape};
 use crate::fault::Fault;
 use crate::text::three_digits;
 use crate::write::lock::ordinary;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Errors from here on are not drawn.
 const WRONG: f64 = 10.0;
+/// Bytes of a text at most: the name of a scene is part of the name of a file.
+const LONGEST: usize = 200;
 
 /// The file of the peers.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 pub(super) struct Peers {
     cpu: String,
     /// Programs and their versions.
@@ -25,7 +28,7 @@ pub(super) struct Peers {
 }
 
 /// A scene of the comparison.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 pub(super) struct Scene {
     pub(super) scene: String,
     title: String,
@@ -36,14 +39,14 @@ pub(super) struct Scene {
 }
 
 /// All programs at one tolerance.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 struct AtTolerance {
     tolerance: f64,
     rows: Vec<Row>,
 }
 
 /// A program at a tolerance.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 struct Row {
     program: String,
     method: String,
@@ -54,14 +57,14 @@ struct Row {
 }
 
 /// A program with its quickest way to each target.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 struct Program {
     program: String,
     reached: Vec<Option<Reached>>,
 }
 
 /// A target reached.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 struct Reached {
     method: String,
     milliseconds: f64,
@@ -70,13 +73,13 @@ struct Reached {
     ratio_to_quickest_peer: Option<f64>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 struct Curve {
     program: String,
     points: Vec<Point>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 struct Point {
     error: Option<f64>,
     milliseconds: Option<f64>,
@@ -97,7 +100,26 @@ pub(super) fn read(path: &Path) -> Result<Peers, Fault> {
     };
     ordinary("--peers", path)?;
     let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
-    serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))
+    let peers: Peers = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    match serde_json::to_value(&peers).is_ok_and(|all| is_printable(&all)) {
+        true => Ok(peers),
+        false => Err(wrong(format!(
+            "a text of more than {LONGEST} bytes, or with control characters"
+        ))),
+    }
+}
+
+/// Whether all texts are fit for pictures, tables and names of files.
+fn is_printable(value: &Value) -> bool {
+    let fits = |text: &str| text.len() <= LONGEST && !text.contains(char::is_control);
+    match value {
+        Value::String(text) => fits(text),
+        Value::Array(all) => all.iter().all(is_printable),
+        Value::Object(all) => all
+            .iter()
+            .all(|(name, value)| fits(name) && is_printable(value)),
+        Value::Null | Value::Bool(_) | Value::Number(_) => true,
+    }
 }
 
 impl Scene {
