@@ -95,7 +95,11 @@ fn files_are_made_early_but_not_for_bad_input() {
 #[test]
 fn negative_values_meet_the_range_they_are_out_of() {
     for (command, option, words) in [
-        ("run kepler", "--stages", "a whole number from 1 to 32"),
+        (
+            "run kepler",
+            "--stages",
+            "a whole number in the range of the method",
+        ),
         ("run kepler", "--step", "without its sign"),
         ("run kepler", "--steps-per-period", "positive"),
         ("run kepler", "--tolerance", "--tolerance is"),
@@ -109,7 +113,11 @@ fn negative_values_meet_the_range_they_are_out_of() {
         ("growth", "--tolerances", "--tolerances is -1; it must be"),
         ("growth", "--eccentricities", "out of range"),
         ("growth", "--revolutions", "a whole number"),
-        ("growth", "--stages", "a whole number from 1 to 32"),
+        (
+            "growth",
+            "--stages",
+            "a whole number in the range of the method",
+        ),
         ("section henon-heiles", "--orbits", "a whole number"),
         ("section henon-heiles", "--tolerance", "--tolerance is"),
         ("section henon-heiles", "--energy", "out of range"),
@@ -226,6 +234,20 @@ fn messages_name_flags() {
         (
             &["run", "kepler", "--stages", "1"][..],
             "--stages, or a number of --method, is 1",
+        ),
+        (
+            &["run", "kepler", "--stages", "0"],
+            "is 0; this method takes 2 to 32",
+        ),
+        (
+            &[
+                "run", "kepler", "--stages", "0", "--method", "gauss", "--step", "1",
+            ],
+            "is 0; this method takes 1 to 32",
+        ),
+        (
+            &["growth", "--stages", "0"],
+            "is 0; this method takes 2 to 32",
         ),
         (&["run", "kepler", "--tolerance", "2"], "--tolerance is 2"),
         (&["run", "kepler", "--step", "0"], "--step is 0"),

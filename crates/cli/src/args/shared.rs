@@ -1,7 +1,5 @@
 //! Numbers that options of several commands read.
 
-use equip_integrate::MAX_STAGES;
-
 /// Reads whole numbers from `low` to `high`; others are refused with these.
 pub(super) fn whole(low: u64, high: u64) -> impl Fn(&str) -> Result<u64, String> + Clone {
     move |text| match text.trim().parse() {
@@ -11,10 +9,8 @@ pub(super) fn whole(low: u64, high: u64) -> impl Fn(&str) -> Result<u64, String>
     }
 }
 
-/// Reads a number of stages; which of them a method takes is known by the method.
-pub(super) fn stages(text: &str) -> Result<usize, String> {
-    match text.trim().parse() {
-        Ok(stages) if stages >= 1 => Ok(stages),
-        _ => Err(format!("a whole number from 1 to {MAX_STAGES}")),
-    }
+/// Reads a number of stages; the method refuses those that it does not take.
+pub(super) fn stages(text: &str) -> Result<usize, &'static str> {
+    let number = text.trim().parse();
+    number.map_err(|_| "a whole number in the range of the method, from 2 on for EQUIP")
 }

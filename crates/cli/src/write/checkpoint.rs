@@ -164,10 +164,15 @@ pub(crate) fn load(path: &Path) -> Result<Option<Saved>, Fault> {
     if bytes != NAME.as_bytes() {
         return Err(not_one(OTHER_FILE));
     }
+    if file.metadata().map_err(read)?.len() > LARGEST {
+        return Err(not_one("it is larger than 1 GiB"));
+    }
     file.read_to_end(&mut bytes).map_err(read)?;
     parse(&bytes).map(Some).map_err(not_one)
 }
 
+/// Bytes of a file that are read at most, far more than any scene needs.
+const LARGEST: u64 = 1 << 30;
 /// What is wrong with a file that is something else.
 const OTHER_FILE: &str = "its first line is not that of one";
 

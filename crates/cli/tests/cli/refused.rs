@@ -115,3 +115,14 @@ fn what_is_beside_a_checkpoint_is_an_ordinary_file() {
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(text.contains("cannot write nowhere/c: "), "{text}");
 }
+
+#[test]
+fn a_checkpoint_of_any_size_is_not_read() {
+    let home = directory("size");
+    std::fs::write(home.join("c"), "equip checkpoint 2 0000000000000000\n").unwrap();
+    let file = std::fs::OpenOptions::new().write(true).open(home.join("c"));
+    file.unwrap().set_len(1 << 40).unwrap();
+    let (code, text) = run(&home, &["--until", "1"]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("it is larger than 1 GiB"), "{text}");
+}
