@@ -5,6 +5,7 @@ mod failures;
 mod help;
 mod killed;
 mod pictures;
+#[cfg(unix)]
 mod printed;
 mod refused;
 mod tables;
