@@ -369,37 +369,3 @@ fn a_run_may_begin_on_a_switch() {
     assert_eq!(moving.certificate().switches_crossed, crossed);
     assert_eq!(end(&run(0.0)), [0.0, 0.0]);
 }
-
-/// From a switch on which H is that of the other side: a force that is turned on at the start, by time and by
-/// the motion.
-#[test]
-fn a_run_may_begin_where_the_force_jumps() {
-    // 1 from the start on, −1 before; exactly at the start it is that of before.
-    let turned_on = |start: f64| {
-        Hamiltonian::with_time(1, move |t, q, p| {
-            let force = (start - t).select(-1.0, 1.0);
-            0.5 * (p[0] * p[0] + q[0] * q[0]) - q[0] * force
-        })
-    };
-    let fall = Hamiltonian::new(1, |q, p| {
-        let (low, high) = (q[0] * 1.0, q[0] * 2.0);
-        0.5 * p[0] * p[0] - (-q[0]).select(low, high)
-    });
-    for s in [2, 8] {
-        let options = Equip::stages(s).tolerance(1e-10);
-        for start in [0.0, 1.0] {
-            let energy = turned_on(start).unwrap();
-            let run = options
-                .integrate(&energy, &[0.0], &[0.0], start..=start + 3.0)
-                .unwrap();
-            let right = [1.0 - 3f64.cos(), 3f64.sin()];
-            assert!(apart(&end(&run), &right) < 1e-8);
-            assert!(run.certificate().counts.steps < 1000);
-        }
-        let energy = fall.as_ref().unwrap();
-        let run = options
-            .integrate(energy, &[0.0], &[0.0], 0.0..=3.0)
-            .unwrap();
-        assert!(apart(&end(&run), &[9.0, 6.0]) < 1e-8);
-    }
-}

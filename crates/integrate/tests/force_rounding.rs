@@ -132,8 +132,8 @@ fn gradients_from_outside_round_as_their_largest_component() {
     assert!(apart(&by_tolerance, &by_equal_steps) < 1e-12);
 }
 
-/// A component near rest whose force is a difference of numbers of order one: its momentum carries the rounding of the
-/// force, and the steps are those of the oscillator beside it.
+/// A component near rest whose force is a difference of numbers of order one: its momentum carries the
+/// rounding of the force, and the steps are those of the oscillator beside it.
 #[test]
 fn a_quiet_component_shortens_no_steps() {
     let energy = Hamiltonian::new(2, |q, p| {

@@ -285,7 +285,8 @@ impl<T: Float> Crossings<T> {
         (is_same && near.abs() > rounding).then_some(T::int(2) * near - far)
     }
 
-    /// A step that starts at g = 0 exactly begins on the switch, and continues on the side of the first stage.
+    /// A step that starts at g = 0 exactly begins on the switch, and continues on the side of the first
+    /// stage.
     fn begin_on_roots(&mut self) {
         for j in (0..self.path.len()).filter(|&j| !self.is_passed[j]) {
             let first = self.path.side_at_first_stage(j);

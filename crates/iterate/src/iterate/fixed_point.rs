@@ -45,7 +45,8 @@ impl<T: Float> Iterate<T> {
         (ready.from_polynomial)(self, method, (y, h, ratio), polynomial, known);
     }
 
-    /// y1 = y0 + Σ L_i, with compensated summation. L of stiff components is computed from Z.
+    /// y1 = y0 + Σ L_i, with compensated summation. For linear equations L of stiff
+    /// components is computed from Z.
     pub fn end_point(&mut self, y: &State<T>, next: &mut State<T>) {
         (ready::<T>().correct)(self);
         (ready::<T>().advance)(self, y, next);
@@ -134,7 +135,7 @@ impl<T: Float> Iterate<T> {
         (ready.mix)(self, y);
         m.apply(Held::Start, self.subtract_kept());
         let change = (ready.add_kept)(self, y);
-        self.has_residual = true;
+        self.has_residual = self.inverse_k.is_some();
         let was_measured = self.is_measured;
         if !was_measured || contraction.is_far() {
             (ready.measure)(self, y, 0..self.n);

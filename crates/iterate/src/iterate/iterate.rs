@@ -39,8 +39,8 @@ pub struct Iterate<T: Float> {
     /// L of the last iteration, and of the last step.
     pub(crate) l: Aligned<T>,
     pub(crate) l_before: Aligned<T>,
-    /// K⁻¹ of the initial α_k.
-    pub(crate) inverse_k: InverseK<T>,
+    /// K⁻¹ of the initial α_k, if the stage equations are linear.
+    pub(crate) inverse_k: Option<InverseK<T>>,
     /// Workspace for ΔL of incremental iterations, and K L − Z of preconditioned ones.
     pub(crate) delta: Aligned<T>,
     /// Z of the unknown components, and a copy.
@@ -104,7 +104,7 @@ impl<T: Float> Iterate<T> {
             h: T::int(0),
             l,
             l_before,
-            inverse_k: InverseK::new(method, alphas),
+            inverse_k: None,
             delta,
             z,
             z_before,
@@ -119,6 +119,11 @@ impl<T: Float> Iterate<T> {
             has_residual: false,
             is_measured: false,
         }
+    }
+
+    /// For linear stage equations, as of a quadratic H: L of preconditioned iterations is computed from Z.
+    pub fn assume_linear(&mut self, method: &Coefficients<T>, alphas: &[T]) {
+        self.inverse_k = Some(InverseK::new(method, alphas));
     }
 
     /// The number of stages s.

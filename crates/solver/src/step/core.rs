@@ -101,7 +101,10 @@ impl<T: Float> Core<T> {
         let kinetic = energy.kinetic();
         let preconditioner = options.preconditioner;
         let free = options.first_alpha.filter(|_| !constraints.is_empty());
-        let stages = Stages::new(method, structure, kinetic, &start_alphas, preconditioner);
+        let mut stages = Stages::new(method, structure, kinetic, &start_alphas, preconditioner);
+        if structure.is_quadratic() && energy.is_canonical() {
+            (stages.iterate).assume_linear(&stages.method, &start_alphas);
+        }
         let alpha_solver = free.map(|first| {
             let of = (first, constraints.as_slice());
             Box::new(AlphaSolver::new(&stages, structure, of))
