@@ -8,9 +8,10 @@
 //!
 //! $$ L + \delta L, \qquad \delta L = K^{-1} (\Delta Z - r), $$
 //!
-//! satisfies the linear equation. Where only the positions are unknowns, h b M⁻¹ δP = δL_q and K δL_p = δP.
-//! The correction is rounding itself where it is below ε ‖K⁻¹‖ |Z|, and is then left out. If the equations are
-//! not linear, M⁻¹ does not damp the rounding of r in every direction, and L of the stages is more accurate.
+//! satisfies the linear equation. If the positions alone are unknowns, h b M⁻¹ δP = δL_q and K δL_p = δP.
+//! The correction is rounding itself where it is below ε ‖K⁻¹‖ |Z|, and is then left out. If the equations
+//! are not linear, M⁻¹ does not damp the rounding of r in every direction, and L of the stages is more
+//! accurate.
 
 use crate::iterate::iterate::Iterate;
 use crate::layout::row::{add, by_groups, stride_for};
