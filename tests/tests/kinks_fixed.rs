@@ -194,3 +194,21 @@ fn a_run_may_begin_where_the_force_jumps() {
         assert!(apart(&end(&run), &[9.0, 6.0]) < 1e-8);
     }
 }
+
+/// At rest in a corner where H is one side's, no step is consistent: an error, and not a run without end.
+#[test]
+fn a_corner_that_pushes_back_ends_a_run() {
+    let corner = Hamiltonian::new(2, |q, p| {
+        let side = (-q[1]).select(-q[1] * 2.0, q[1]);
+        0.5 * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0]) + side
+    });
+    let run = Equip::stages(8).tolerance(1e-8).integrate(
+        &corner.unwrap(),
+        &[1.0, 0.0],
+        &[0.0, 0.0],
+        0.0..=10.0,
+    );
+    let error = run.unwrap_err().to_string();
+    println!("{error}");
+    assert!(error.contains("step"), "{error}");
+}

@@ -62,6 +62,8 @@ impl<T: Float> AdaptiveSteps<T> {
             return Err(IntegrateError::StepLimit { steps, time });
         }
         let mut size = self.control.next;
+        // Near t = 0 time resolves steps of any size. No motion changes its scale by 1/ε² within a step.
+        let least = self.min_step.max(T::exact(size) * T::EPSILON * T::EPSILON);
         // `proposed` is the size without regard to switches, `longest` the size that knots permit.
         let (mut proposed, mut longest) = (size, f64::INFINITY);
         let (mut cause, mut is_retried) = (None, false);
@@ -74,7 +76,7 @@ impl<T: Float> AdaptiveSteps<T> {
                 .take()
                 .unwrap_or_else(|| self.place(run, size, end));
             let too_small = !run.direction.is_before(run.time, place.time)
-                || (place.size < self.min_step && !place.cut);
+                || (place.size < least && !place.cut);
             if too_small {
                 return Err(self.too_small(run, place.size, cause));
             }
