@@ -21,14 +21,11 @@ use equip_autodiff::Kinetic;
 use equip_scalar::{Float, Kernel};
 
 impl<T: Float> Iterate<T> {
-    /// Corrects L of the last preconditioned iteration, once.
+    /// Corrects L of the last preconditioned iteration.
     pub(crate) fn correct_increments(&mut self) {
         let Some(inverse) = &self.inverse_k else {
             return;
         };
-        if !std::mem::take(&mut self.has_residual) {
-            return;
-        }
         let unknowns = self.unknowns();
         let (l, l_p) = self.l.split_at_mut(unknowns * self.stride);
         self.set.run(&mut Correct {
