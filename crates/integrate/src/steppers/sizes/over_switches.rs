@@ -6,7 +6,7 @@
 //! a switch, the derivative is evaluated slightly within the step, where H is that of one side.
 
 use crate::control::estimate::{End, Estimate};
-use crate::control::policy::SOON;
+use crate::control::policy::{ROUNDING, SOON};
 use crate::control::stuck::shortest_at;
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
@@ -198,7 +198,8 @@ impl<T: Float> AdaptiveSteps<T> {
 }
 
 /// Writes the rounding error of ∇H at the end `y` of a step of size `h` to `rounding`: of its operations, and
-/// of the stages, which carry the rounding of the forces that move them. `products` is workspace.
+/// of the stages, which carry the rounding of the forces that move them. The estimate takes [`ROUNDING`]
+/// times the former, and the latter once. `products` is workspace.
 fn take_rounding<T: Float>(
     core: &mut Core<T>,
     (y, h): (&[T], T),
@@ -214,6 +215,6 @@ fn take_rounding<T: Float>(
     }
     energy.hessian_vector(y, moved, product);
     for (rounding, product) in rounding.iter_mut().zip(&*product) {
-        *rounding += product.abs();
+        *rounding += product.abs() / T::int(ROUNDING);
     }
 }
