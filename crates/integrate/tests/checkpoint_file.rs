@@ -208,3 +208,28 @@ fn nan_in_any_place_that_decides_something_is_refused() {
     nan_is_refused(&Equip::stages(3).step(0.25));
     nan_is_refused(&Equip::stages(4).tolerance(1e-8));
 }
+
+/// A checkpoint whose checksum is right, with a number that no run has: a run from it would not end, or would
+/// overflow.
+#[test]
+fn numbers_of_no_run_are_refused() {
+    let by_tolerance = Equip::stages(4).tolerance(1e-8);
+    let by_equal_steps = Equip::stages(3).step(0.25);
+    let remainder = "the rounding remainder of the time";
+    for (options, name, number) in [
+        (&by_tolerance, remainder, 1e10),
+        (&by_tolerance, "the steps not accepted", -1.0),
+        (&by_equal_steps, "the place on the grid", 1e300),
+        (&by_equal_steps, "the place on the grid", 0.5),
+    ] {
+        let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+        let mut forged = serde_json::to_value(after_three(options, &pendulum)).unwrap();
+        let lists = forged["run"].as_array_mut().unwrap();
+        let list = lists.iter_mut().find(|list| list[0] == name).unwrap();
+        list[1][0] = Value::from(format!("{:016x}", f64::to_bits(number)));
+        let mut forged: Checkpoint = serde_json::from_value(forged).unwrap();
+        forged.seal();
+        let refused = options.resume(&pendulum, &forged).unwrap_err();
+        assert_eq!(refused, IntegrateError::CheckpointDamaged { what: name });
+    }
+}

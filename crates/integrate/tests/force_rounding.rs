@@ -133,7 +133,7 @@ fn gradients_from_outside_round_as_their_largest_component() {
 }
 
 /// A component near rest whose force is a difference of numbers of order one: its momentum carries the
-/// rounding of the force, and the steps are those of the oscillator beside it.
+/// rounding of the force, and the steps are those of the uncoupled oscillator.
 #[test]
 fn a_quiet_component_shortens_no_steps() {
     let energy = Hamiltonian::new(2, |q, p| {

@@ -43,19 +43,19 @@ pub(crate) fn compare<T: Float>(given: &[T], expected: &[T]) -> Result<(), Wrong
 
 /// `check` at `y`, and if it fails there, at a nearby point: at a discontinuity of a derivative of H the
 /// derivative of either side is correct, and differences are those of neither.
-pub(crate) fn at_or_beside<T: Float>(
+pub(crate) fn at_or_near<T: Float>(
     y: &[T],
     mut check: impl FnMut(&[T]) -> Result<(), WrongGradient<T>>,
 ) -> Result<(), WrongGradient<T>> {
     let Err(wrong) = check(y) else {
         return Ok(());
     };
-    check(&beside(y)).map_err(|_| wrong)
+    check(&near(y)).map_err(|_| wrong)
 }
 
 /// A point near `y`. Each component changes by about ⁴√ε of itself, or of the largest component of its half
 /// if it is 0. No two components change by the same share, so that equal ones become different.
-fn beside<T: Float>(y: &[T]) -> Vec<T> {
+fn near<T: Float>(y: &[T]) -> Vec<T> {
     let share = T::EPSILON.sqrt().sqrt();
     let moved = y.chunks_exact(y.len() / 2).flat_map(|half| {
         let of = largest(half);

@@ -1,6 +1,6 @@
 //! [`External`]: an energy whose value and gradient are computed by user code, in doubles.
 
-use super::check::{at_or_beside, by_differences, largest};
+use super::check::{at_or_near, by_differences, largest};
 use super::given::{Given, GivenGradient};
 use crate::recording::recorder::MOST;
 use crate::replay::point::{Points, check_hessians};
@@ -117,7 +117,7 @@ impl<T: Float> ExternalEvaluator<T> {
     /// Compares the gradient with differences of H.
     pub(crate) fn check_gradient(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
         let mut given = vec![T::int(0); y.len()];
-        at_or_beside(y, |y| {
+        at_or_near(y, |y| {
             let (_, bound) = self.gradient_with_bound(y, &mut given);
             by_differences(y, (&given, bound), self.of.accuracy, |y| self.value(y))
         })

@@ -1,6 +1,6 @@
 //! [`Given`]: a user-supplied gradient, in doubles.
 
-use super::check::{at_or_beside, compare};
+use super::check::{at_or_near, compare};
 use crate::WrongGradient;
 use crate::replay::point::{Points, check_batch};
 use equip_scalar::Float;
@@ -106,7 +106,7 @@ impl<T: Float> Given<T> {
         mut expected: impl FnMut(&[T], &mut [T]),
     ) -> Result<(), WrongGradient<T>> {
         let (mut given, mut right) = (y.to_vec(), y.to_vec());
-        at_or_beside(y, |y| {
+        at_or_near(y, |y| {
             self.at(y, &mut given);
             expected(y, &mut right);
             compare(&given, &right)

@@ -87,7 +87,16 @@ impl<'a> Memory<'a> {
     pub(crate) fn whole<T: Float>(&mut self, name: &'static str, number: i64) -> i64 {
         let mut stored = T::int(number);
         self.finite(name, from_mut(&mut stored));
-        stored.to_f64() as i64
+        let number = stored.to_f64();
+        self.check_that(number.abs() < 2_f64.powi(53) && number.fract() == 0.0, name);
+        number as i64
+    }
+
+    /// The same for a count.
+    pub(crate) fn count<T: Float>(&mut self, name: &'static str, count: u64) -> u64 {
+        let count = self.whole::<T>(name, count as i64);
+        self.check_that(count >= 0, name);
+        count as u64
     }
 
     /// Writes a list, or returns the next one, which must have this name.
@@ -109,7 +118,8 @@ impl<'a> Memory<'a> {
         }
     }
 
-    fn check_that(&mut self, is_right: bool, name: &'static str) {
+    /// Requires what holds of every run.
+    pub(crate) fn check_that(&mut self, is_right: bool, name: &'static str) {
         if !is_right {
             self.damaged.get_or_insert(name);
         }

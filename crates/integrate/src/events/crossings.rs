@@ -14,7 +14,7 @@
 use crate::checkpoints::memory::Memory;
 use crate::control::estimate::Decay;
 use crate::control::policy::{BESIDE, MOST_TRIES, ROUNDING, SOON};
-use crate::events::path::{Path, Place};
+use crate::events::path::{Path, Place, side as side_of};
 use crate::events::roughness::Roughness;
 use equip_autodiff::{SwitchKind, Switches};
 use equip_scalar::Float;
@@ -179,10 +179,10 @@ impl<T: Float> Crossings<T> {
         for side in &mut self.sides {
             let sign = side.map(|sign| [T::int(sign.into())]);
             let sign = memory.optional("the sides of the switches", sign);
-            *side = sign.map(|[sign]| sign.to_f64() as i8);
+            *side = sign.map(|[sign]| side_of(sign));
         }
-        let is_among_knots = i64::from(self.is_among_knots);
-        self.is_among_knots = memory.whole::<T>("the knots", is_among_knots) != 0;
+        let is_among_knots = u64::from(self.is_among_knots);
+        self.is_among_knots = memory.count::<T>("the knots", is_among_knots) != 0;
     }
 
     /// Whether a step without sign changes may cross two knots.

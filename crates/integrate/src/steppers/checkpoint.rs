@@ -120,8 +120,8 @@ impl<T: Float> Integration<T> {
         memory.finite("the rounding remainder of the state", &mut self.y.lo);
         memory.finite("the energy", from_mut(&mut self.h_ref));
         memory.finite("the last step", from_mut(&mut self.last.0));
-        let goes_back = i64::from(self.direction == TimeDirection::Backward);
-        self.direction = match memory.whole::<T>("the direction", goes_back) {
+        let goes_back = u64::from(self.direction == TimeDirection::Backward);
+        self.direction = match memory.count::<T>("the direction", goes_back) {
             0 => TimeDirection::Forward,
             _ => TimeDirection::Backward,
         };
@@ -163,12 +163,10 @@ fn remember_measured<T: Float>(measured: &mut Measured<T>, memory: &mut Memory<'
         let angle = angle.to_f64();
         PhasePerStep { angle, step }
     });
-    let crossed = memory.whole::<T>("the discontinuities", measured.switches_crossed as i64);
-    measured.switches_crossed = crossed as u64;
-    let jumps = (measured.energy_jumps).map(|jumps| [T::int(jumps.count as i64), jumps.largest]);
-    let jumps = memory.optional("the jumps of H", jumps);
-    measured.energy_jumps = jumps.map(|[count, largest]| {
-        let count = count.to_f64() as u64;
-        EnergyJumps { count, largest }
-    });
+    measured.switches_crossed = memory.count::<T>("the discontinuities", measured.switches_crossed);
+    let count = measured.energy_jumps.map_or(0, |jumps| jumps.count);
+    let count = memory.count::<T>("the number of jumps of H", count);
+    let largest = measured.energy_jumps.map(|jumps| [jumps.largest]);
+    let largest = memory.optional("the largest jump of H", largest);
+    measured.energy_jumps = largest.map(|[largest]| EnergyJumps { count, largest });
 }

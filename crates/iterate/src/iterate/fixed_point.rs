@@ -45,8 +45,8 @@ impl<T: Float> Iterate<T> {
         (ready.from_polynomial)(self, method, (y, h, ratio), polynomial, known);
     }
 
-    /// y1 = y0 + Σ L_i, with compensated summation. For linear equations L of stiff
-    /// components is computed from Z.
+    /// y1 = y0 + Σ L_i, with compensated summation. For linear equations L of stiff components is computed
+    /// from Z.
     pub fn end_point(&mut self, y: &State<T>, next: &mut State<T>) {
         if std::mem::take(&mut self.has_residual) {
             (ready::<T>().correct)(self);

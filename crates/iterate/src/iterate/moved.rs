@@ -105,12 +105,14 @@ impl<T: Float> Iterate<T> {
         self.z_before[..len].copy_from_slice(&self.z[..len]);
     }
 
-    /// Replaces Z by its difference to the copy, K L − Z, which is stored.
+    /// Replaces Z by its difference to the copy, K L − Z, which is stored if L is to be corrected.
     pub(crate) fn subtract_kept(&mut self) -> &mut [T] {
         let len = self.unknowns() * self.stride;
         let pairs = self.z[..len].iter_mut().zip(&self.z_before[..len]);
         pairs.for_each(|(z, &before)| *z -= before);
-        self.delta[..len].copy_from_slice(&self.z[..len]);
+        if self.inverse_k.is_some() {
+            self.delta[..len].copy_from_slice(&self.z[..len]);
+        }
         &mut self.z[..len]
     }
 

@@ -77,10 +77,9 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
     }
 
     fn remember(&mut self, run: &mut Integration<T>, memory: &mut Memory<'_>) {
-        memory.finite(
-            "the rounding remainder of the time",
-            from_mut(&mut self.time_low),
-        );
+        let name = "the rounding remainder of the time";
+        memory.finite(name, from_mut(&mut self.time_low));
+        memory.check_that(self.time_low.abs() <= T::EPSILON * run.time.abs(), name);
         let mut next = T::exact(self.control.next);
         memory.finite("the next step", from_mut(&mut next));
         self.control.next = next.to_f64();
@@ -92,7 +91,7 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
             memory.any("the sizes of the steps", &mut sizes);
             [steps.smallest, steps.largest] = sizes;
             for count in [&mut steps.rejected, &mut steps.failed] {
-                *count = memory.whole::<T>("the steps not accepted", *count as i64) as u64;
+                *count = memory.count::<T>("the steps not accepted", *count);
             }
         }
         if let Some(crossings) = &mut self.crossings {
