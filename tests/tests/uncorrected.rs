@@ -66,3 +66,36 @@ fn the_number_of_steps_does_not_decide_what_is_conserved() {
         assert!((1e-4..5e-4).contains(&found.2), "{steps} steps: {found:?}");
     }
 }
+
+/// By tolerance no series of uncorrected steps begins: a step that would begin one is repeated, shorter.
+/// Without the rule there are 11 to 220 uncorrected steps, and errors 1.3 to 860 times as large.
+#[test]
+fn a_tolerance_leaves_no_series_of_uncorrected_steps() {
+    let h = Hamiltonian::new(2, |q, p| {
+        0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
+    });
+    let h = h.unwrap();
+    let cases = [
+        (0.9_f64, 2, 1e-4, 1.3e-4, 29_427),
+        (0.9, 4, 1e-4, 9.9e-9, 66_546),
+        (0.9, 4, 1e-6, 5.1e-9, 64_614),
+        (0.95, 2, 1e-6, 1.8e-4, 59_557),
+    ];
+    for (e, stages, tolerance, measured, gradients) in cases {
+        let start = ([1.0 - e, 0.0], [0.0, ((1.0 + e) / (1.0 - e)).sqrt()]);
+        let method = Equip::stages(stages).tolerance(tolerance);
+        let end = 10.0 * std::f64::consts::TAU;
+        let run = method.integrate(&h, &start.0, &start.1, 0.0..=end).unwrap();
+        let (counts, (_, q, _)) = (&run.certificate().counts, run.last());
+        assert_eq!(counts.uncorrected(), 0, "e = {e}, s = {stages}");
+        let error = (q[0] - start.0[0]).hypot(q[1]);
+        assert!(error <= 2.0 * measured, "e = {e}, s = {stages}: {error:e}");
+        assert!(counts.gradients <= gradients * 11 / 10, "{counts:?}");
+    }
+    let oscillator = Hamiltonian::new(1, |q, p| (1 + p[0] * p[0]).sqrt() + q[0] * q[0] / 2);
+    let method = Equip::stages(12).tolerance(1e-10);
+    let run = method.integrate(&oscillator.unwrap(), &[30.0], &[0.0], 0.0..=680.0);
+    let counts = run.unwrap().certificate().counts;
+    assert_eq!(counts.uncorrected(), 0);
+    assert!(counts.gradients <= 39_000, "{counts:?}");
+}

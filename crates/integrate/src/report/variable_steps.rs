@@ -14,7 +14,7 @@ pub struct VariableSteps<T> {
     pub largest: T,
     /// The number of steps rejected because of their error estimate.
     pub rejected: u64,
-    /// The number of steps that failed because their stages or α_k were not found.
+    /// The number of attempts that failed because their stages or an admissible α were not found.
     pub failed: u64,
 }
 

@@ -4,15 +4,18 @@
 //! state. The stages of a rejected step are the initial guess of the next attempt. Time is summed with
 //! compensation.
 //!
+//! If a step would begin a series of uncorrected steps, it is repeated with half the size, and so on until it
+//! is short for its tolerance; the next step is not longer (docs/adr/0035).
+//!
 //! A step that crosses a switch of H (a discontinuity of H or of a derivative) is replaced by a shorter one
 //! that ends on the switch ([`super::over_switches`]).
 
 use crate::control::controller::{Control, Judgement};
-use crate::control::estimate::Decay;
+use crate::control::estimate::{Decay, Estimate};
 use crate::control::first_step::FirstSize;
 use crate::control::flow::Flow;
 use crate::control::policy::{MOST_TRIES, PART};
-use crate::control::stuck::TooSmall;
+use crate::control::stuck::{TooSmall, shortest_at};
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
 use crate::report::variable_steps::VariableSteps;
@@ -64,9 +67,11 @@ impl<T: Float> AdaptiveSteps<T> {
         let mut size = self.control.next;
         // Near t = 0 time resolves steps of any size. No motion changes its scale by 1/ε² within a step.
         let least = self.min_step.max(T::exact(size) * T::EPSILON * T::EPSILON);
-        // `proposed` is the size without regard to switches, `longest` the size that knots permit.
+        // `proposed` is the size without regard to switches, `longest` the largest next size after knots or
+        // an uncorrected attempt.
         let (mut proposed, mut longest) = (size, f64::INFINITY);
         let (mut cause, mut is_retried) = (None, false);
+        let was_corrected = !run.last.1.is_uncorrected();
         if let Some(crossings) = &mut self.crossings {
             crossings.begin_step();
         }
@@ -92,6 +97,20 @@ impl<T: Float> AdaptiveSteps<T> {
                     run.core.refuse();
                     (size, is_retried) = (self.control.shorter(h), true);
                     longest = size;
+                    self.stop_aiming();
+                }
+                Ok(Made::Step(outcome, estimate, EndIs::Smooth))
+                    if was_corrected
+                        && may_be_corrected(outcome)
+                        && !place.cut
+                        && !self.is_short(run, h, &estimate) =>
+                {
+                    self.tries = None;
+                    run.core.refuse();
+                    count(run, |steps| &mut steps.failed);
+                    (size, is_retried) = (self.control.shorter(h), true);
+                    (proposed, longest) = (size, size);
+                    cause = None;
                     self.stop_aiming();
                 }
                 Ok(Made::Step(outcome, estimate, end_is)) => {
@@ -142,6 +161,15 @@ impl<T: Float> AdaptiveSteps<T> {
             }
         }
     }
+
+    /// Whether the last step, of size `h`, is a small part of the longest one that the tolerance and the
+    /// iteration allow, or no shorter one is possible.
+    fn is_short(&self, run: &Integration<T>, h: f64, estimate: &Estimate) -> bool {
+        let room = self.control.room(estimate, run.core.contraction());
+        let least = self.min_step.max(shortest_at(run.time));
+        room > PART as f64 || T::exact(self.control.shorter(h)) < least
+    }
+
     /// The error if no step of this `size` is possible.
     fn too_small(
         &mut self,
@@ -222,6 +250,11 @@ fn count<T: Float>(run: &mut Integration<T>, which: impl Fn(&mut VariableSteps<T
     if let Some(steps) = &mut run.measured.variable {
         *which(steps) += 1;
     }
+}
+
+/// Whether a shorter step may conserve the energy, which this one does not.
+fn may_be_corrected(outcome: Outcome) -> bool {
+    outcome.is_uncorrected() && outcome != Outcome::Unresolved
 }
 
 /// Whether a shorter step would fail for the same reason.
