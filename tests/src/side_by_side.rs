@@ -149,6 +149,6 @@ fn made<T: Float>(
         hessian_cost: hamiltonian.hessian_operations() as f64
             / hamiltonian.gradient_operations() as f64,
         seconds,
-        says_unresolved: certificate.to_string().contains("its phase drifts"),
+        says_unresolved: certificate.to_string().contains("wrong phase"),
     }
 }

@@ -22,13 +22,13 @@ use std::ffi::OsString;
     name = "equip",
     version,
     about = "Energy-preserving integration of Hamiltonian systems",
-    long_about = "Integrates named Hamiltonian systems with EQUIP methods: Gauss methods whose free parameters α are \
-        chosen at every step so that the energy H is kept to round-off, and quadratic invariants with it.",
-    after_help = "Examples:\n  equip scenes                       what there is to integrate\n  \
+    long_about = "Integrates named Hamiltonian systems with EQUIP methods: Gauss methods with free parameters α. \
+        Every step solves for the α that conserves the energy H to round-off. Quadratic invariants are conserved too.",
+    after_help = "Examples:\n  equip scenes                       the scenes: named test problems\n  \
         equip scenes kepler                formula, parameters and source of one scene\n  \
         equip run kepler                   a run with its certificate\n  \
         equip run kepler --e 0.9 --stages 6 --periods 100 --plot kepler.svg\n  \
-        equip check --quick                stiff and extreme cases, judged\n  \
+        equip check --quick                stiff and extreme cases, each with a verdict\n  \
         equip paper --html paper.html      the paper's statements, measured\n  \
         equip report --quick               error against run time, as a page"
 )]
@@ -41,17 +41,17 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// List the scenes, or describe one
     Scenes(ScenesArgs),
-    /// Integrate a scene and print what was kept
+    /// Integrate a scene and print the certificate: what was conserved
     Run(Box<RunArgs>),
-    /// Draw the Poincaré section of Hénon and Heiles
+    /// Draw the Poincaré section of the Hénon–Heiles system
     Section(SectionArgs),
-    /// Draw how the error of Kepler's problem grows with time, EQUIP compared with Gauss
+    /// Draw the growth of the error of Kepler's problem with time, for EQUIP and Gauss
     Growth(GrowthArgs),
-    /// Run the catalogue of stiff and extreme cases, and judge every row
+    /// Test EQUIP on a catalogue of stiff and extreme cases
     Check(CheckArgs),
-    /// Hold the statements of the paper, by its own method, against measured figures
+    /// Verify the statements of the paper with its own method, a single α
     Paper(PaperArgs),
-    /// Error against run time of EQUIP and Gauss: a page, pictures and tables
+    /// Plot error against run time for EQUIP and Gauss: a page, pictures and tables
     Report(ReportArgs),
 }
 

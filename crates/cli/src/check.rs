@@ -41,7 +41,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
         (case.quick || !args.quick) && text.to_lowercase().contains(&wanted)
     });
     if cases.is_empty() {
-        let expected = "a part of the theme, the name or the setting of some row";
+        let expected = "a part of the theme, name or setting of a row";
         return Err(Fault::option("--only", wanted, expected));
     }
     apart(&[

@@ -28,13 +28,13 @@ pub(crate) enum Fault {
         value: String,
         expected: &'static str,
     },
-    #[error("cannot write {}: {source}; choose another path or make its directory", path.display())]
+    #[error("cannot write {}: {source}; choose another path or create its directory", path.display())]
     Write {
         path: PathBuf,
         source: std::io::Error,
     },
     #[error(
-        "cannot write all of {}: {source}; make room, or raise the limit of the size of files (ulimit -f){advice}",
+        "cannot write all of {}: {source}; free disk space, or raise the file size limit (ulimit -f){advice}",
         path.display()
     )]
     NoRoom {
@@ -47,7 +47,7 @@ pub(crate) enum Fault {
         path: PathBuf,
         source: std::io::Error,
     },
-    #[error("{} is no checkpoint of this program: {what}; name another file with --checkpoint", path.display())]
+    #[error("{} is not a checkpoint of this program: {what}; name another file with --checkpoint", path.display())]
     NotACheckpoint { path: PathBuf, what: &'static str },
     #[error(
         "the checkpoint {} belongs to another run: its {what} is {stored}, now it is {now}; repeat that command, or name another file with --checkpoint",
@@ -60,17 +60,17 @@ pub(crate) enum Fault {
         now: String,
     },
     #[error(
-        "cannot go on with the table {}: {what}; give the table that was written with this checkpoint, or start anew with another --checkpoint",
+        "cannot continue the table {}: {what}; give the table that was written with this checkpoint, or start again with another --checkpoint",
         path.display()
     )]
     Table { path: PathBuf, what: String },
-    #[error("{} and {} are both to be written to {}; name two files", .options.0, .options.1, path.display())]
+    #[error("{} and {} name the same file {}; name two files", .options.0, .options.1, path.display())]
     SameFile {
         options: (&'static str, &'static str),
         path: PathBuf,
     },
     #[error(
-        "{} is being written by another program; wait until that one has ended, or name another file",
+        "{} is being written by another program; wait until that program has ended, or name another file",
         path.display()
     )]
     InUse { path: PathBuf },
@@ -91,9 +91,9 @@ pub(crate) enum Fault {
         reached: String,
         written: &'static str,
     },
-    #[error("{failed} of {rows} rows failed; their reasons stand in the table")]
+    #[error("{failed} of {rows} rows failed; the table has the reasons")]
     Check { failed: usize, rows: usize },
-    #[error("{failed} of {rows} statements do not hold; the table says which")]
+    #[error("{failed} of {rows} statements do not hold; the table shows which")]
     Statements { failed: usize, rows: usize },
 }
 
@@ -161,7 +161,7 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
     match error {
         E::StagesOutOfRange { stages, min, max } => {
             format!(
-                "--stages, or a number of --method, is {stages}; this method takes {min} to {max}"
+                "--stages, or a number in --method, is {stages}; this method accepts {min} to {max}"
             )
         }
         E::Option {
@@ -176,16 +176,16 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
             format!("--step is {step}; it must be finite and not zero")
         }
         E::StepsLeadAway { step, end, .. } => format!(
-            "--until or --periods ask for t = {end}, which lies behind the start for steps of {step}: give --step without its sign; a run resumed from a checkpoint keeps its direction"
+            "--until or --periods is t = {end}, but steps of {step} lead away from it: give --step without a sign; a run resumed from a checkpoint keeps its direction"
         ),
         E::Interval { start, end } => format!(
-            "--until or --periods ask for a run from t = {start} to t = {end}; it must be finite"
+            "--until or --periods leads to a run from t = {start} to t = {end}; both times must be finite"
         ),
         E::StepLimit { steps, time } => format!(
-            "{steps} steps were made and t = {time} is reached; loosen --tolerance, or end sooner with --until"
+            "the limit of {steps} steps is reached at t = {time}; loosen --tolerance, or end earlier with --until"
         ),
         E::CheckpointMismatch { what, stored, now } if *what == "reach" => format!(
-            "the checkpoint was made with --reach {}, this run has {}; give the same, or start anew with another --checkpoint",
+            "the checkpoint was made with --reach {}, this run has {}; give the same, or start again with another --checkpoint",
             in_kebab_case(stored),
             in_kebab_case(now)
         ),
@@ -198,7 +198,7 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
             energy_error,
             round_off,
         } => format!(
-            "no admissible α keeps the energy in the step at t = {time}, h = {step} (energy error {energy_error:e}, round-off level {round_off:e}); take a smaller --step, more --stages, --method equip, or leave out --reach refuse to leave the energy error to a later step"
+            "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {energy_error:e}, round-off level {round_off:e}); use a smaller --step, more --stages or --method equip, or omit --reach refuse to accept uncorrected steps"
         ),
         other => other.to_string(),
     }
@@ -216,15 +216,15 @@ fn in_kebab_case(name: &str) -> String {
     text
 }
 
-/// A checkpoint made without a flag that this run has, or with one that it has not.
+/// The checkpoint was made without a flag that this run has, or with a flag that this run lacks.
 fn of_flag(flag: &str, is_given: bool) -> String {
     let (before, now, change) = if is_given {
-        ("without", "has it", "leave it out")
+        ("without", "has it", "omit it")
     } else {
-        ("with", "has it not", "give it")
+        ("with", "lacks it", "give it")
     };
     format!(
-        "the checkpoint was made {before} {flag}, this run {now}; {change}, or start anew with another --checkpoint"
+        "the checkpoint was made {before} {flag}, this run {now}; {change}, or start again with another --checkpoint"
     )
 }
 

@@ -58,7 +58,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
         .iter()
         .any(|name| name.contains(&wanted));
     if jobs.is_empty() && !has_long {
-        let expected = "a part of the name of some scene, like kepler-0.6-f64";
+        let expected = "text that occurs in the name of a part, such as kepler-0.6-f64";
         return Err(Fault::option("--only", wanted, expected));
     }
     // A directory that cannot be made is worth knowing before the work.
@@ -110,7 +110,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
     for (name, curves) in [(long::LONG, &long.regular), (long::CLOSE, &long.close)] {
         if !curves.is_empty() {
             files.push((format!("{name}.csv"), growth::table(curves)));
-            let title = "Kepler’s problem with step control";
+            let title = "Kepler’s problem with step size control";
             files.push((format!("{name}.svg"), long::figure(title, curves).svg()));
         }
     }
@@ -205,10 +205,10 @@ fn facts(results: &[Results], begun: Instant) -> Vec<String> {
     vec![
         format!("equip {}, {build}", env!("CARGO_PKG_VERSION")),
         format!("{cpu}, {cores} cores, {} on {}; one thread is used", std::env::consts::OS, std::env::consts::ARCH),
-        format!("CPU time of complete runs in which H is not measured; medians of {fewest} to {most} interleaved repeats; the tables have their spread"),
+        format!("CPU time of complete runs in which H is not measured; medians of {fewest} to {most} interleaved repetitions; the tables have their spread"),
         "error: the largest difference in any component of q and p at the end; H is given as a closure, and all methods use the gradient derived from it".into(),
         format!("hollow marks: |ΔH| exceeds {LEVELS} round-off levels of H"),
-        "times to an error: interpolated linearly in both logarithms; a setting counts if the next finer one has at most this error too".into(),
+        "times to an error: interpolated linearly in both logarithms; a setting reaches an error only if the next finer setting reaches it too".into(),
         format!("measured in {:.0} s", begun.elapsed().as_secs_f64()),
     ]
 }

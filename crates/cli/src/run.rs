@@ -143,7 +143,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
             reached: significant(finished.run.certificate().end.to_f64(), 7),
             next: match &args.checkpoint {
                 Some(path) => format!("the same command resumes from {}", path.display()),
-                None => "with --checkpoint FILE a run can be gone on with".to_owned(),
+                None => "with --checkpoint FILE a run can be resumed".to_owned(),
             },
         });
     }
@@ -153,8 +153,8 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
             &error,
             finished.run.certificate().end.to_f64(),
             match (&args.out, &args.plot) {
-                (None, None) => "--out FILE.csv writes the steps up to there",
-                _ => "its steps up to there are written",
+                (None, None) => "--out FILE.csv writes the steps up to that time",
+                _ => "the steps up to that time are written",
             },
         )),
     }
@@ -183,7 +183,7 @@ fn resume<T: Float>(
             Some(_) => "--periods",
             None => "--until",
         };
-        let (value, expected) = (format!("t = {end}"), "no earlier than the checkpoint");
+        let (value, expected) = (format!("t = {end}"), "not earlier than the checkpoint");
         return Err(Fault::option(option, value, expected));
     }
     let mut resumed = Resumed::default();
@@ -195,7 +195,7 @@ fn resume<T: Float>(
         (Some((path, _)), None) => {
             return Err(Fault::Table {
                 path: path.clone(),
-                what: format!("the run wrote none up to the checkpoint, at t = {time}"),
+                what: format!("the run of the checkpoint, at t = {time}, wrote no table"),
             });
         }
         (None, Some(_)) => resumed.notes.push(format!(
@@ -206,7 +206,7 @@ fn resume<T: Float>(
     match picture.filter(|picture| picture.is_like(&watch.picture)) {
         Some(picture) => watch.picture = picture,
         None if args.plot.is_some() => resumed.notes.push(format!(
-            "note: nothing was drawn before the checkpoint, the picture begins at t = {reached}"
+            "note: nothing was drawn before the checkpoint; the picture begins at t = {reached}"
         )),
         None => {}
     }

@@ -100,7 +100,7 @@ fn negative_values_meet_the_range_they_are_out_of() {
             "--stages",
             "a whole number in the range of the method",
         ),
-        ("run kepler", "--step", "without its sign"),
+        ("run kepler", "--step", "without a sign"),
         ("run kepler", "--steps-per-period", "positive"),
         ("run kepler", "--tolerance", "--tolerance is"),
         ("run kepler", "--every", "a whole number"),
@@ -199,15 +199,15 @@ fn options_that_change_nothing_are_named() {
     for (options, words) in [
         (
             &["--every", "5"][..],
-            "--every changes nothing: there is no --out",
+            "--every has no effect: there is no --out",
         ),
         (
             &["--no-compare"],
-            "--no-compare changes nothing: there is no --plot",
+            "--no-compare has no effect: there is no --plot",
         ),
         (
             &["--reach", "refuse", "--method", "gauss"],
-            "--reach changes nothing",
+            "--reach has no effect",
         ),
     ] {
         let output = equip(&[&["run", "kepler", "--until", "1"][..], options].concat());
@@ -217,8 +217,8 @@ fn options_that_change_nothing_are_named() {
     }
     // --quiet leaves out the certificate and the progress, not what a user has to know.
     for (option, words) in [
-        ("--every=5", "--every changes nothing"),
-        ("--lyapunov", "--lyapunov changes nothing: with --quiet"),
+        ("--every=5", "--every has no effect"),
+        ("--lyapunov", "--lyapunov has no effect: with --quiet"),
     ] {
         let quiet = equip(&["run", "kepler", "--until", "1", "--quiet", option]);
         assert!(text(quiet.stderr).contains(words), "{option}");
@@ -233,21 +233,21 @@ fn messages_name_flags() {
     for (arguments, flag) in [
         (
             &["run", "kepler", "--stages", "1"][..],
-            "--stages, or a number of --method, is 1",
+            "--stages, or a number in --method, is 1",
         ),
         (
             &["run", "kepler", "--stages", "0"],
-            "is 0; this method takes 2 to 32",
+            "is 0; this method accepts 2 to 32",
         ),
         (
             &[
                 "run", "kepler", "--stages", "0", "--method", "gauss", "--step", "1",
             ],
-            "is 0; this method takes 1 to 32",
+            "is 0; this method accepts 1 to 32",
         ),
         (
             &["growth", "--stages", "0"],
-            "is 0; this method takes 2 to 32",
+            "is 0; this method accepts 2 to 32",
         ),
         (&["run", "kepler", "--tolerance", "2"], "--tolerance is 2"),
         (&["run", "kepler", "--step", "0"], "--step is 0"),

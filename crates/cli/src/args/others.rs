@@ -8,14 +8,14 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  equip scenes\n  equip scenes henon-heiles")]
 pub(crate) struct ScenesArgs {
-    /// Scene to describe; all are listed if none is named
+    /// Scene to describe; without a name, all scenes are listed
     pub(crate) name: Option<String>,
 }
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The plane q1 = 0, crossed with p1 > 0: closed curves are regular orbits, clouds are chaotic ones. At energy 1/12 nearly all are \
-        regular, at 1/8 some, at 1/6 nearly none.\n\n\
+    after_help = "The section is the plane q1 = 0, crossed with p1 > 0. Closed curves are regular orbits, clouds of points \
+        are chaotic orbits. At energy 1/12 nearly all orbits are regular, at 1/8 some, at 1/6 nearly none.\n\n\
         Examples:\n  \
         equip section henon-heiles --energy 1/8 --plot section.svg\n  \
         equip section henon-heiles --energy 1/6 --orbits 8 --until 10000 --csv section.csv"
@@ -23,7 +23,7 @@ pub(crate) struct ScenesArgs {
 pub(crate) struct SectionArgs {
     /// Scene; henon-heiles is the only one so far
     pub(crate) scene: String,
-    /// Energy of the orbits, up to that of the escape, 1/6
+    /// Energy of the orbits, at most the escape energy 1/6
     #[arg(
         long,
         value_name = "E",
@@ -34,7 +34,7 @@ pub(crate) struct SectionArgs {
     /// Number of orbits
     #[arg(long, value_name = "N", default_value_t = 24, allow_negative_numbers = true, value_parser = whole(1, 10_000))]
     pub(crate) orbits: u64,
-    /// Time to end at, for each orbit
+    /// End time of each orbit
     #[arg(
         long,
         value_name = "T",
@@ -42,7 +42,7 @@ pub(crate) struct SectionArgs {
         allow_hyphen_values = true
     )]
     pub(crate) until: String,
-    /// Stages s: the order is 2s
+    /// Number of stages s; the order is 2s
     #[arg(long, short, default_value_t = 8, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
     pub(crate) stages: usize,
     /// Tolerance of the variable steps
@@ -54,7 +54,7 @@ pub(crate) struct SectionArgs {
         help_heading = "Method"
     )]
     pub(crate) tolerance: String,
-    /// Where to draw; a page if the name ends in .html
+    /// File for the picture; an HTML page if its name ends in .html
     #[arg(
         long,
         value_name = "FILE.svg",
@@ -62,21 +62,22 @@ pub(crate) struct SectionArgs {
         help_heading = "Output"
     )]
     pub(crate) plot: PathBuf,
-    /// Write orbit, q2 and p2 of every crossing
+    /// Write orbit number, q2 and p2 of every crossing
     #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
     pub(crate) csv: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Both methods have variable steps under the same control. The error is the largest of a component of position and momentum, against the closed \
-        form, 0.3 revolutions after the N-th. The table has N = 1, 10, 100, …, the picture more of them.\n\n\
+    after_help = "Both methods use the same step size control. The error is the largest over all components of q and p, \
+        compared with the closed form, 0.3 revolutions after the N-th. The table has N = 1, 10, 100, …; the picture has \
+        further N.\n\n\
         Examples:\n  \
         equip growth\n  \
         equip growth --eccentricities 0.6,0.99 --tolerances 1e-10 --revolutions 10000 --csv growth.csv"
 )]
 pub(crate) struct GrowthArgs {
-    /// Eccentricities, one panel each
+    /// Eccentricities, with one panel for each
     #[arg(
         long,
         value_name = "E,E,…",
@@ -95,13 +96,13 @@ pub(crate) struct GrowthArgs {
         help_heading = "Method"
     )]
     pub(crate) tolerances: Vec<String>,
-    /// Revolutions to make
+    /// Number of revolutions
     #[arg(long, value_name = "N", default_value_t = 1000, allow_negative_numbers = true, value_parser = whole(1, 1_000_000))]
     pub(crate) revolutions: u64,
-    /// Stages s: the order is 2s
+    /// Number of stages s; the order is 2s
     #[arg(long, short, default_value_t = 8, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
     pub(crate) stages: usize,
-    /// Where to draw; a page if the name ends in .html
+    /// File for the picture; an HTML page if its name ends in .html
     #[arg(
         long,
         value_name = "FILE.svg",
@@ -109,7 +110,7 @@ pub(crate) struct GrowthArgs {
         help_heading = "Output"
     )]
     pub(crate) plot: PathBuf,
-    /// Write the errors, all that are drawn
+    /// Write all errors that are drawn
     #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
     pub(crate) csv: Option<PathBuf>,
 }
@@ -119,10 +120,10 @@ pub(crate) struct GrowthArgs {
     after_help = check_help()
 )]
 pub(crate) struct CheckArgs {
-    /// The rows that are made in at most two minutes
+    /// Omit long cases; takes at most two minutes
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Rows whose theme, name or setting contains TEXT
+    /// Run only rows whose theme, name or setting contains TEXT
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Option<String>,
     /// Write all figures as JSON
@@ -138,11 +139,12 @@ pub(crate) struct CheckArgs {
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Brugnano, Iavernaro, Trigiante (2010): a Gauss method with one free parameter α, for which every step solves H(y1) = H(y0), however \
-        far α moves the end of the step (equip run --method equip-last --reach always). Kepler's problem, e = 0.6: orders, α₀(h) = const · h², the \
-        energy error of a step over α, angular momentum, and the energy over 1000 periods, each line with what is stated, what is \
-        measured, and whether it holds. Takes less than ten seconds.\n\n\
-        Exit codes: 0 every statement holds; 1 one does not, or the output failed; 2 bad usage.\n\n\
+    after_help = "Brugnano, Iavernaro, Trigiante (2010): a Gauss method with one free parameter α. Every step solves \
+        H(y1) = H(y0) for α, with no bound on the change of y1 caused by α (equip run --method equip-last --reach \
+        always). On Kepler's problem with e = 0.6 the command measures the orders, α₀(h) = const · h², the energy error \
+        of a step as a function of α, the angular momentum error, and the energy error over 1000 periods. Each line has \
+        the statement, the measured figure, and whether the statement holds. Takes less than ten seconds.\n\n\
+        Exit codes: 0 every statement holds; 1 a statement does not hold, or the output failed; 2 invalid usage.\n\n\
         Examples:\n  \
         equip paper\n  \
         equip paper --html paper.html --json paper.json"
@@ -151,34 +153,36 @@ pub(crate) struct PaperArgs {
     /// Write all figures as JSON
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) json: Option<PathBuf>,
-    /// Write statements, tables and pictures as a page for the browser
+    /// Write statements, tables and pictures as an HTML page
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) html: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "First Kepler's problem with step control: error and energy after 1000 revolutions, 10\u{2075} in the complete report, and with close \
-        encounters (long-runs, close-encounters). Then for each scene error and energy error against run time, work counts, and the time to \
-        given errors, of EQUIP and Gauss with several numbers of stages. Three sentences on top say what the figures of the run say. All \
-        use the gradient derived from H; benches/peers compares with other methods and programs.\n\n\
-        The directory gets report.html, which needs nothing else, runs.csv, times.csv, and for long runs, close encounters and each scene an SVG file.\n\n\
+    after_help = "The report begins with a conclusion in three sentences, computed from its figures. The first part is \
+        Kepler's problem with step size control: error and energy error after 1000 revolutions (10\u{2075} in the complete \
+        report), and close encounters. The second part has, for each scene, EQUIP and Gauss with several numbers of \
+        stages: error and energy error against run time, counts of work, and the time to given errors. All methods use \
+        the gradient derived from H. benches/peers compares with other methods and programs.\n\n\
+        The command writes report.html (self-contained), runs.csv, times.csv, and SVG files for long runs, close \
+        encounters and each scene.\n\n\
         Examples:\n  \
         equip report --quick\n  \
         equip report --only kepler --out kepler-report\n  \
         equip report --peers benches/peers/out/peers.json"
 )]
 pub(crate) struct ReportArgs {
-    /// Fewer scenes and methods, in less than half a minute; all of it takes less than twelve minutes
+    /// Use fewer scenes and methods; takes less than half a minute (the complete report: less than twelve minutes)
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Parts whose name, like long-runs, kepler-0.6-f64 or pendulum-dd, contains TEXT
+    /// Run only parts whose name contains TEXT, for example long-runs, kepler-0.6-f64 or pendulum-dd
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Option<String>,
-    /// Time to spend on the scenes; more of it means finer settings and more repeats
+    /// Time to spend on the scenes; more time allows finer settings and more repetitions
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) seconds: Option<f64>,
-    /// Directory to write to; it is made if it is not there
+    /// Output directory; created if it does not exist
     #[arg(
         long,
         value_name = "DIR",
@@ -186,20 +190,21 @@ pub(crate) struct ReportArgs {
         help_heading = "Output"
     )]
     pub(crate) out: PathBuf,
-    /// Join what benches/peers measured to the page
+    /// Add the results of benches/peers to the page
     #[arg(long, value_name = "peers.json", help_heading = "Output")]
     pub(crate) peers: Option<PathBuf>,
 }
 
-/// With the limits by which rows are judged.
+/// Help of `equip check`, with the limits for a row.
 fn check_help() -> String {
     format!(
-        "Every row is integrated with EQUIP and with Gauss on the same steps. It passes if every step is accounted \
-        for, the energy error is within {LEVELS} round-off levels of H wherever the energy is said to be conserved, quadratic invariants \
-        are conserved to round-off, steps whose energy error is left have at most {UNCORRECTED} times the energy error of Gauss, and the \
-        trajectory error is at most {TRAJECTORY} times that of Gauss (that of the slow variables where fast oscillations are not resolved).\n\n\
-        A row that is known to exceed the last of these, with its figure, is a known deficit, and does not fail.\n\n\
-        Exit codes: 0 no row failed; 1 a row failed or the output did; 2 bad usage.\n\n\
+        "A row is a case with its setting. Every row is integrated with EQUIP and with Gauss on the same steps. A row \
+        passes if every step has an outcome; the energy error is within {LEVELS} round-off levels of H on every step \
+        that is not uncorrected; quadratic invariants are conserved to round-off; the energy error of uncorrected steps \
+        is at most {UNCORRECTED} times that of Gauss; and the trajectory error is at most {TRAJECTORY} times that of \
+        Gauss (for unresolved fast oscillations, the error of the slow variables).\n\n\
+        A row whose trajectory error is known to exceed this limit is a known deficit. It does not fail.\n\n\
+        Exit codes: 0 no row failed; 1 a row failed, or the output failed; 2 invalid usage.\n\n\
         Examples:\n  \
         equip check --quick\n  \
         equip check --only fpu\n  \

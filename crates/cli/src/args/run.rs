@@ -14,8 +14,8 @@ pub(super) const PARAMETERS: &str = "Parameters of the scene";
 #[command(
     after_help = "Numbers are decimals (0.05, 1e-3) or quotients (1/20), read in the precision of the run: with \
         --precision dd, 0.1 is 1/10 to 31 digits.\n\n\
-        Exit codes: 0 success; 1 the integration or the output failed, with the output up to there written; 2 bad usage \
-        or input; 128 + n ended by signal n (130 by Ctrl-C).\n\n\
+        Exit codes: 0 success; 1 the integration or the output failed (the output up to the failure is written); 2 \
+        invalid usage or input; 128 + n ended by signal n (130 by Ctrl-C).\n\n\
         Examples:\n  \
         equip run kepler --e 0.6 --periods 100 --stages 4 --tolerance 1e-6 --plot kepler.svg\n  \
         equip run kepler --e 0.9 --stages 6 --periods 100 --out orbit.csv --every 10\n  \
@@ -30,19 +30,18 @@ pub(super) const PARAMETERS: &str = "Parameters of the scene";
 pub(crate) struct RunArgs {
     /// Scene to integrate; `equip scenes` lists them
     pub(crate) scene: String,
-    /// Set a parameter of the scene; `--NAME VALUE` does the same where no option here has that name
+    /// Set a parameter of the scene; `--NAME VALUE` does the same unless an option has that name
     #[arg(long, value_name = "NAME=VALUE", value_parser = pair, help_heading = PARAMETERS)]
     pub(crate) set: Vec<(String, String)>,
-    /// Stages s: the order is 2s, the cost of a step grows like s², or s³ where
-    /// Newton's method makes it
+    /// Number of stages s; the order is 2s. The cost of a step grows like s², with Newton's method like s³
     #[arg(long, short, default_value_t = 8, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
     pub(crate) stages: usize,
-    /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (0.02 if not
-    /// given) | hbvm=K,S (K nodes, degree S) | avf (averaged vector field) | trapezoidal=K (K nodes); the
-    /// last three leave --stages out of account
+    /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (default 0.02) |
+    /// hbvm=K,S (K nodes, degree S) | avf (averaged vector field) | trapezoidal=K (K nodes); the last three
+    /// ignore --stages
     #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
     pub(crate) method: MethodName,
-    /// Fixed step, positive or, back in time, negative
+    /// Fixed step size; negative for a run backward in time
     #[arg(
         long,
         value_name = "H",
@@ -50,8 +49,8 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) step: Option<String>,
-    /// Variable steps whose local error relative to the change over the step is at most TOL; 1e-12 if no step
-    /// is given either (1e-24 in double-double)
+    /// Variable steps with a local error of at most TOL relative to the change over the step; without a step
+    /// size, the default is 1e-12 (1e-24 in double-double)
     #[arg(
         long,
         value_name = "TOL",
@@ -60,7 +59,7 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) tolerance: Option<String>,
-    /// Step as the scene's period divided by N
+    /// Fixed step size: the period of the scene divided by N
     #[arg(
         long,
         value_name = "N",
@@ -69,9 +68,9 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) steps_per_period: Option<String>,
-    /// A fixed step for which the largest error of a position or momentum at the end is about ERROR, found by
-    /// trial runs over one period of the scene (or the whole run if that is shorter than two); from there
-    /// errors are taken to grow linearly, as they do for regular motion
+    /// Fixed step size for which the largest error of q and p at the end is about ERROR. Trial runs over one
+    /// period of the scene (over the entire run if it is shorter than two periods) determine the step size.
+    /// After one period the errors are assumed to grow linearly, as in regular motion
     #[arg(
         long,
         value_name = "ERROR",
@@ -80,8 +79,8 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) target_error: Option<String>,
-    /// Time to end at, from the start at 0; a negative one runs back in time; the scene's suggestion if not
-    /// given
+    /// End time; the run begins at 0, and goes backward in time if T is negative. The default depends on the
+    /// scene
     #[arg(
         long,
         value_name = "T",
@@ -90,7 +89,7 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) until: Option<String>,
-    /// Time to end at, in periods of the scene; negative back in time
+    /// End time in periods of the scene; negative for a run backward in time
     #[arg(
         long,
         value_name = "P",
@@ -98,12 +97,12 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) periods: Option<String>,
-    /// Numbers to compute in: f64 has 16 digits, dd (double-double) about 31
+    /// Floating-point type: f64 has 16 digits, dd (double-double) about 31
     #[arg(long, value_enum, default_value = "f64", help_heading = "Method")]
     pub(crate) precision: Precision,
-    /// How far the parameters α may move the end of a step: within-error leaves the energy error of a step
-    /// to a later one where α would move its end by more than some local errors; always moves it as far as
-    /// it takes; refuse ends the run with an error where within-error would leave an energy error
+    /// Limit on the change of the end point y1 caused by α. within-error: if the change would be much larger
+    /// than the local error, the step is left uncorrected. always: no limit. refuse: the run ends with an
+    /// error where within-error would leave a step uncorrected
     #[arg(
         long,
         value_enum,
@@ -111,25 +110,25 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) reach: ReachName,
-    /// Carry a small deviation along and print the largest Lyapunov exponent and MEGNO (2 for regular motion,
-    /// λt/2 for chaotic); with --out two more columns, with --plot two more panels
+    /// Propagate a tangent vector and print the largest Lyapunov exponent λ and MEGNO (2 for regular motion,
+    /// λt/2 for chaotic motion). Adds two columns to --out and two panels to --plot
     #[arg(long, visible_alias = "megno", help_heading = "Output")]
     pub(crate) lyapunov: bool,
-    /// Write the steps to FILE.csv: t, q, p, energy error, outcome, with digits that read back exactly
+    /// Write the steps to FILE.csv: t, q, p, energy error and outcome, with all digits
     #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
     pub(crate) out: Option<PathBuf>,
-    /// Write every K-th step only (the last one always)
+    /// Write only every K-th step and the last one
     #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = whole(1, u64::MAX), help_heading = "Output")]
     pub(crate) every: u64,
-    /// Draw orbit or phase portrait, and the relative energy error over time; a page whose panels stack
-    /// in a narrow window if the name ends in .html
+    /// Draw the orbit or phase portrait and the relative energy error over time. If the name ends in .html,
+    /// the picture is a page whose panels stack in a narrow window
     #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
     pub(crate) plot: Option<PathBuf>,
-    /// Leave out the energy error of Gauss with the same steps or tolerance, which the plot shows too
+    /// Omit the energy error of Gauss (same steps or tolerance) from the plot
     #[arg(long, help_heading = "Output")]
     pub(crate) no_compare: bool,
-    /// Keep a checkpoint in FILE; if there is one already, go on from it, bit for bit as if the run had not
-    /// stopped. Ctrl-C leaves one, and so does the end of the run
+    /// Write checkpoints to FILE, also after Ctrl-C and at the end of the run. If FILE exists, the run resumes
+    /// from it, with the same bits as an uninterrupted run
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) checkpoint: Option<PathBuf>,
     /// Seconds between checkpoints

@@ -27,11 +27,12 @@ pub(crate) fn outcomes(leg: &Leg, gap: &str) -> String {
 }
 
 pub(crate) const LEGEND: &str = "outcomes: S energy solved, F at the round-off level, uncorrected \
-    C where α has no effect, B beyond the bound of α, D beyond the bound of the end point, U where the motion is not resolved; Q quadratic H, N energy not requested\n\
-    levels: largest |H − H_ref| in round-off levels, the worse of the solver's figure and one in double-double; \
-    energy: the same, absolute, EQUIP and Gauss\n\
-    inv.: largest error of an invariant; error: of the trajectory, relative, largest over the grid, EQUIP and \
-    Gauss; s: seconds of the row with Gauss and reference";
+    C if α has no effect, B if α is beyond its bound, D if the end point changes too much, U if the motion is not resolved; \
+    Q quadratic H, N energy not requested\n\
+    levels: largest |H − H_ref| in round-off levels, the larger of the values of the solver and of double-double; \
+    energy: the same, absolute, for EQUIP and Gauss\n\
+    inv.: largest error of an invariant; error: largest relative trajectory error over the time grid, for EQUIP and \
+    Gauss; s: seconds for the row, with Gauss and the reference";
 
 #[cfg(test)]
 mod tests {

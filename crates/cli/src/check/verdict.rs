@@ -110,7 +110,7 @@ impl Judge<'_> {
         }
         let Some(ended) = &self.equip.ended else {
             if let End::Error(_, _, why) = self.expect.end {
-                self.faults.push(format!("no error, though {why}"));
+                self.faults.push(format!("no error, although {why}"));
             }
             if !self.equip.impatient && steps != wanted {
                 self.faults.push(format!("{steps} of {wanted} steps made"));
@@ -128,7 +128,10 @@ impl Judge<'_> {
         let note = if let Some((_, _, why)) = expected.filter(|e| is_like(e.0, e.1)) {
             format!("{why}; {text}")
         } else if let Some(gauss) = gauss.filter(|gauss| gauss.kind == ended.kind) {
-            format!("error {text}; Gauss ends alike at t = {:.6}", gauss.time)
+            format!(
+                "error {text}; Gauss ends with the same error at t = {:.6}",
+                gauss.time
+            )
         } else {
             return self.faults.push(format!("error {text}"));
         };
@@ -150,7 +153,7 @@ impl Judge<'_> {
         let by_double_double = self.equip.independent_levels;
         for (how, levels, most) in [
             ("", self.equip.levels, LEVELS),
-            (" by double-double", by_double_double, LEVELS + 1.0),
+            (" in double-double", by_double_double, LEVELS + 1.0),
         ] {
             if let Some(levels) = levels.filter(|levels| !(*levels <= most)) {
                 let text = format!("energy error of {levels:.3} round-off levels{how}");
@@ -169,7 +172,7 @@ impl Judge<'_> {
         for kept in &self.equip.invariants {
             if !(kept.in_roundoff <= most) {
                 self.faults.push(format!(
-                    "{} off by {:.1e}, {:.3} round-offs where {most:.3} are allowed",
+                    "{} error {:.1e}, {:.3} times round-off, {most:.3} allowed",
                     kept.name, kept.error, kept.in_roundoff
                 ));
             }
@@ -184,7 +187,7 @@ impl Judge<'_> {
         }
         let (energy, gauss) = (self.equip.energy, self.measured.gauss.energy);
         let text = format!(
-            "{count} steps uncorrected ({:.2} %), energy off by {energy:.1e}, by {gauss:.1e} with Gauss",
+            "{count} steps uncorrected ({:.2} %), energy error {energy:.1e}, {gauss:.1e} with Gauss",
             100.0 * (count as f64 / steps as f64)
         );
         // Where Gauss came to an end before, or neither follows the motion, there is nothing to compare with.

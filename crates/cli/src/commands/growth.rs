@@ -87,7 +87,7 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
         .collect::<Result<Vec<_>, Fault>>()?;
     if tolerances.len() > DASHES.len() {
         let value = format!("a list of {}", tolerances.len());
-        let expected = "at most 6, which can be told apart in the picture";
+        let expected = "at most 6 values, so that the picture stays legible";
         return Err(Fault::option("--tolerances", value, expected));
     }
     apart(&[
@@ -244,7 +244,7 @@ fn draw(curves: &[Curve], args: &GrowthArgs) -> String {
     }
     let title = "Kepler\u{2019}s problem: growth of the error";
     let facts = format!(
-        "{} stages, step control; largest error of a component of q and p, 0.3 revolutions after the N-th",
+        "{} stages, step size control; largest error over all components of q and p, 0.3 revolutions after the N-th",
         args.stages
     );
     chart(title, &facts, &plots, &lines).file(&args.plot)

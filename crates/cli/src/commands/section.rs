@@ -168,7 +168,7 @@ fn draw(orbits: &[Crossings], args: &SectionArgs, energy: f64) -> String {
             args.energy
         ),
         facts: format!(
-            "EQUIP, {} stages, tolerance {}: {} crossings of {} orbits to t = {}, a colour for each orbit by turns",
+            "EQUIP, {} stages, tolerance {}: {} crossings of {} orbits to t = {}, orbits in alternating colours",
             args.stages,
             args.tolerance,
             orbits.iter().map(Vec::len).sum::<usize>(),

@@ -40,13 +40,13 @@ pub(super) fn document(paper: &Paper) -> String {
         paper.orbits.iter().map(orbit),
     );
     let body = format!(
-        "<h1>The paper’s statements, measured</h1>\n\
+        "<h1>The statements of the paper, measured</h1>\n\
          <p>L. Brugnano, F. Iavernaro, D. Trigiante: Energy and quadratic invariants preserving integrators of Gaussian type. AIP Conf. Proc. 1281 \
          (2010) 227–230. By its own method: a Gauss method of s stages with one free parameter α = α<sub>s−1</sub>, for which every step solves \
          g(α, h) = H(y<sub>1</sub>(α, h)) − H(y<sub>0</sub>) = 0. Kepler’s problem, e = 0.6, from the pericentre. equip {version}.</p>\n\
          {statements}\
          <h2>Orders</h2>\n{convergence}<p>Error after two periods, largest component of (q, p), in double-double:</p>\n{errors}\
-         <h2>The energy error over α</h2>\n{residual}\
+         <h2>The energy error as a function of α</h2>\n{residual}\
          \
          <h2>1000 periods of 200 steps</h2>\n{energy}{orbits}",
         version = paper.version,

@@ -29,8 +29,8 @@ fn regular(curves: &[Curve]) -> Option<String> {
     let energy = |curve: &Curve| curve.energies.last().copied().unwrap_or(f64::NAN);
     let [ours, theirs] = [equip, gauss].map(|curve| curve.error_after(n));
     Some(format!(
-        "After {n} revolutions of Kepler’s problem with e = {} under step control, the largest relative energy error is {:.1e} with EQUIP and \
-         {:.1e} with Gauss, and the error of the state {ours:.1e} and {theirs:.1e}: that of EQUIP is {}.",
+        "After {n} revolutions of Kepler’s problem with e = {} and step size control, the largest relative energy error is {:.1e} with EQUIP and \
+         {:.1e} with Gauss. The error of the state is {ours:.1e} with EQUIP and {theirs:.1e} with Gauss; that of EQUIP is {}.",
         equip.eccentricity,
         energy(equip),
         energy(gauss),
@@ -50,8 +50,8 @@ fn close(curves: &[Curve]) -> Option<String> {
     let orbits: Vec<_> = ours.iter().map(|c| c.eccentricity.as_str()).collect();
     let sum = |of: fn(&Curve) -> u64| ours.iter().map(|curve| of(curve)).sum::<u64>();
     Some(format!(
-        "With close encounters (e = {}) EQUIP conserves the energy to round-off in {} of {} runs of {REVOLUTIONS} revolutions, leaves {} of {} steps \
-         uncorrected, and its error is {low:.1e} to {high:.1e} times that of Gauss.",
+        "With close encounters (e = {}), EQUIP conserves the energy to round-off in {} of {} runs of {REVOLUTIONS} revolutions and leaves {} of {} steps \
+         uncorrected; its error is {low:.1e} to {high:.1e} times that of Gauss.",
         orbits.join(", "),
         ours.iter().filter(is_conserved).count(),
         ours.len(),
@@ -83,12 +83,12 @@ fn ratios(results: &[Results]) -> Vec<f64> {
 
 fn cost(ratios: &[f64]) -> String {
     let Some((low, high)) = range(ratios.iter().copied()) else {
-        return "No error was reached by EQUIP and by Gauss with as many stages: the times cannot be compared.".into();
+        return "No error was reached by both EQUIP and Gauss with the same number of stages: the times cannot be compared.".into();
     };
     let (count, faster) = (ratios.len(), ratios.iter().filter(|x| **x < 1.0).count());
     format!(
-        "To the same error, with as many stages, EQUIP takes {low:.2} to {high:.2} times the CPU time of Gauss (median {:.2}): of {count} comparisons \
-         EQUIP is the faster in {faster} and Gauss in {}.",
+        "For the same error and number of stages, EQUIP takes {low:.2} to {high:.2} times the CPU time of Gauss (median {:.2}); of {count} comparisons, \
+         EQUIP is faster in {faster} and Gauss in {}.",
         ratios[count / 2],
         count - faster
     )

@@ -108,7 +108,7 @@ pub(super) fn figure(title: &str, curves: &[Curve]) -> Figure {
     };
     let lines: Vec<Line> = [true, false].into_iter().filter_map(line).collect();
     let facts = format!(
-        "Step control, tolerance {TOLERANCE}; largest error of a component of q and p, 0.3 revolutions after the N-th, and energy error up to there"
+        "Step size control, tolerance {TOLERANCE}; largest error over all components of q and p, 0.3 revolutions after the N-th, and largest energy error until then"
     );
     chart(title, &facts, &plots, &lines)
 }

@@ -34,7 +34,7 @@ pub(super) fn page(
     if !long.regular.is_empty() {
         let title = "Kepler’s problem over many revolutions";
         push(format!(
-            "<h2 id=\"{LONG}\">Long runs with step control</h2>"
+            "<h2 id=\"{LONG}\">Long runs with step size control</h2>"
         ));
         push(figure(title, &long.regular).html());
         push(growth_table(&long.regular, &long.numbers()));
@@ -49,7 +49,7 @@ pub(super) fn page(
         push(
             "<h2 id=\"time\">Time against error</h2>\n<p>CPU time to an error at the end of a short run. \
              <span class=\"first\">Green</span>: the fastest method. <span class=\"keeps\">Blue</span>: the fastest that conserves the energy by \
-             itself. A setting counts if the next finer one has at most this error too.</p>"
+             construction. A setting reaches an error only if the next finer setting reaches it too.</p>"
                 .into(),
         );
     }

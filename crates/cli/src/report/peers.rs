@@ -152,7 +152,7 @@ impl Scene {
 pub(super) fn section(peers: &Peers) -> String {
     let mut text = format!(
         "<h2 id=\"peers\">Compared with other programs</h2>\n<p>CPU milliseconds on {}; docs/compare.md has the rules. In brackets: the time \
-         of EQUIP over that of the fastest other program. The title of a figure has the least and the largest time of the rounds.</p>\n\
+         of EQUIP divided by that of the fastest other program. The tooltip of a figure has the smallest and the largest time of the rounds.</p>\n\
          <p class=\"note\">{}</p>\n",
         escape(&peers.cpu),
         escape(&versions(peers))

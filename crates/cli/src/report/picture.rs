@@ -80,6 +80,6 @@ pub(super) fn scene(title: &str, curves: &[Curve], round_off: Option<f64>) -> Fi
         },
         Plot::new("Work", "number of ∇H", error),
     ];
-    let facts = "Hollow marks: the energy is not conserved to round-off. Colour: method; mark: number of stages; dashes: step control.";
+    let facts = "Hollow marks: the energy is not conserved to round-off. Colour: method; mark: number of stages; dashes: step size control.";
     chart(title, facts, &plots, &lines)
 }

@@ -180,7 +180,7 @@ fn end_state<T: Float>(
     let (q, p) = start.split_at(start.len() / 2);
     let all = |x: &[T]| x.iter().map(|&x| wide(x)).collect::<Vec<_>>();
     if let Some((q, p)) = instance.flow(&(all(q), all(p)), wide(end)) {
-        return Ok(([q, p].concat(), "exact flow of the start".into()));
+        return Ok(([q, p].concat(), "exact flow of the initial state".into()));
     }
     if let (Some(reference), Reference(_)) = (instance.reference(), entry.source) {
         let (q, p) = reference.state();

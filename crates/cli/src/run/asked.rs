@@ -25,7 +25,7 @@ pub(crate) fn check(args: &RunArgs) -> Result<(), Fault> {
         (name, standard.filter(|_| !args.quiet)),
     ])?;
     for (option, why) in without_effect(args) {
-        say(&format!("note: {option} changes nothing: {why}"));
+        say(&format!("note: {option} has no effect: {why}"));
     }
     Ok(())
 }
@@ -55,12 +55,12 @@ fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
         (
             "--lyapunov",
             args.lyapunov && args.quiet && !has_file,
-            "with --quiet it is not printed, and there is no --out, --plot or --checkpoint",
+            "with --quiet nothing is printed, and there is no --out, --plot or --checkpoint",
         ),
         (
             "--reach",
             args.reach != ReachName::WithinError && !asks_for_energy,
-            "this method does not ask for the energy to be kept",
+            "this method does not solve for α",
         ),
     ];
     let given = rules.into_iter().filter(|(_, is_given, _)| *is_given);

@@ -174,7 +174,7 @@ pub(crate) fn load(path: &Path) -> Result<Option<Saved>, Fault> {
 /// Bytes of a file that are read at most, far more than any scene needs.
 const LARGEST: u64 = 1 << 30;
 /// What is wrong with a file that is something else.
-const OTHER_FILE: &str = "its first line is not that of one";
+const OTHER_FILE: &str = "its first line is not that of a checkpoint";
 
 fn parse(bytes: &[u8]) -> Result<Saved, &'static str> {
     let split = bytes.iter().position(|&byte| byte == b'\n');
@@ -186,10 +186,10 @@ fn parse(bytes: &[u8]) -> Result<Saved, &'static str> {
         .and_then(|rest| rest.trim_start().split_once(' '))
         .ok_or(OTHER_FILE)?;
     if version != VERSION {
-        return Err("it is of another version of the program");
+        return Err("another version of the program wrote it");
     }
     if stored != format!("{:016x}", checksum(text)) {
-        return Err("it is not as it was written, by its checksum");
+        return Err("its checksum does not match its content");
     }
-    serde_json::from_slice(text).map_err(|_| "it holds something else than a run")
+    serde_json::from_slice(text).map_err(|_| "its content is not a run")
 }

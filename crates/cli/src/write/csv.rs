@@ -75,7 +75,7 @@ impl Mark {
             what,
         };
         let io = |source: io::Error| match source.kind() {
-            ErrorKind::NotFound => wrong("it is not there".into()),
+            ErrorKind::NotFound => wrong("it does not exist".into()),
             _ => Fault::Read {
                 path: path.to_owned(),
                 source,
@@ -105,7 +105,7 @@ impl Mark {
             let whole = tail.rsplit_once('\n').map_or("", |(whole, _)| whole);
             let reached = whole.rsplit('\n').next().map(time).unwrap_or_default();
             return Err(wrong(format!(
-                "its last whole row is of t = {reached}, but the run had written it up to t = {}",
+                "its last complete row is at t = {reached}, but the run had written it up to t = {}",
                 time(&self.last_row)
             )));
         }
@@ -117,14 +117,14 @@ impl Mark {
         let row = read(&mut file, self.bytes.saturating_sub(count as u64), count).map_err(io)?;
         if row != self.last_row {
             return Err(wrong(format!(
-                "it is of another run: its row of t = {} is not the one that was written",
+                "it belongs to another run: its row at t = {} is not the row that was written",
                 time(&self.last_row)
             )));
         }
         file.seek(SeekFrom::Start(0)).map_err(io)?;
         if checksum_of(&mut file, self.bytes).map_err(io)? != self.checksum {
             return Err(wrong(format!(
-                "a row up to t = {} is not the one that was written",
+                "a row up to t = {} has changed since it was written",
                 time(&self.last_row)
             )));
         }

@@ -57,7 +57,7 @@ fn bad_input_leaves_files_alone() {
 fn a_path_that_cannot_be_written_is_named() {
     let path = file("no such directory").join("a.csv");
     let message = failure(1, &["run", "kepler", "--out", path.to_str().unwrap()]);
-    assert!(message.contains("no such directory") && message.contains("make its directory"));
+    assert!(message.contains("no such directory") && message.contains("create its directory"));
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn a_run_that_fails_keeps_what_it_made() {
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(
         message.contains("no admissible α")
-            && message.contains("its steps up to there are written")
+            && message.contains("the steps up to that time are written")
     );
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let steps = json["steps"].as_u64().unwrap();

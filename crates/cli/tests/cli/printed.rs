@@ -86,7 +86,7 @@ fn an_output_is_not_written_over_what_is_printed() {
     ] {
         let (code, error) = printed(arguments);
         assert_eq!(code, Some(2), "{arguments}: {error}");
-        let words = "and the standard output are both to be written to";
+        let words = "and the standard output name the same file";
         assert!(error.contains(words), "{arguments}: {error}");
     }
     let quiet = printed("run kepler --until 1 --quiet --out /dev/stdout");

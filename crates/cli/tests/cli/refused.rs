@@ -29,7 +29,7 @@ fn a_run_with_a_deviation_does_not_go_on_without() {
     let (code, text) = run(&home, &["--until", "3"]);
     assert_eq!(code, Some(2), "{text}");
     assert!(
-        text.contains("was made with --lyapunov, this run has it not"),
+        text.contains("was made with --lyapunov, this run lacks it"),
         "{text}"
     );
     assert_eq!(run(&home, &["--until", "3", "--lyapunov"]).0, Some(0));

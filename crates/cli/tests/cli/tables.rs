@@ -283,5 +283,5 @@ fn a_step_is_found_for_an_error() {
         &["run", "kepler", "--target-error", "1e-8", "--step", "0.1"],
     );
     let text = failure(2, &["run", "kepler", "--target-error", "1e-20"]);
-    assert!(text.contains("take a larger target"), "{text}");
+    assert!(text.contains("use a larger target"), "{text}");
 }

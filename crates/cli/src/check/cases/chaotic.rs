@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 const THEME: &str = "chaotic";
 /// Nothing is compared beyond the time at which round-off has grown to the size of the orbit.
 const UNPREDICTABLE: Trajectory =
-    Trajectory::Open("longer than the orbit can be predicted: energy and outcomes only");
+    Trajectory::Open("beyond the predictability horizon: energy and outcomes only");
 
 pub(crate) fn cases() -> Vec<Case> {
     let mut all = Vec::new();
@@ -136,7 +136,7 @@ fn faou_hairer_pham(all: &mut Vec<Case>) {
         let case = || Case::new(THEME, name, scene("faou-hairer-pham", &[])).stages(s);
         all.push(case().steps(500, 0.16).against(fine()));
         all.push(case().steps(20_000, 0.16).trajectory(Trajectory::Open(
-            "a long run for the energy: that of Gauss drifts",
+            "a long run for the energy; the energy of Gauss drifts",
         )));
     }
 }

@@ -39,7 +39,7 @@ pub(crate) fn cases() -> Vec<Case> {
     for row in &mut all {
         if matches!(row.reference, Reference::None) {
             row.expect.trajectory =
-                Trajectory::Open("too stiff for a reference: energy and outcomes");
+                Trajectory::Open("too stiff for a reference: energy and outcomes only");
         }
     }
     all

@@ -14,7 +14,7 @@ pub(crate) fn cases() -> Vec<Case> {
         let name = format!("Hénon–Heiles E=1/8, t = {}", steps / 4);
         let values = [("energy", "1/8")];
         let case = Case::new(THEME, name, scene("henon-heiles", &values)).steps(steps, 0.25);
-        case.trajectory(Trajectory::Open("longer than the orbit can be predicted"))
+        case.trajectory(Trajectory::Open("beyond the predictability horizon"))
     };
     vec![
         kepler(100_000).against(Reference::Closed),
@@ -22,7 +22,9 @@ pub(crate) fn cases() -> Vec<Case> {
         henon_heiles(1_000_000).quick(false),
         kepler(10_000_000)
             .against(Reference::Closed)
-            .trajectory(Trajectory::Open("as long as it goes: energy and outcomes"))
+            .trajectory(Trajectory::Open(
+                "too long for a comparison of trajectories: energy and outcomes only",
+            ))
             .quick(false),
     ]
 }

@@ -35,10 +35,10 @@ fn kepler(all: &mut Vec<Case>) {
         for s in [3, 4, 6] {
             let coarse =
                 case(s, few, if e == "0.999" { 1 } else { 5 }).trajectory(Trajectory::Open(
-                    "steps too large for the pericentre: no method here is on the orbit",
+                    "steps too large for the pericentre: no method here follows the orbit",
                 ));
             all.push(if e == "0.999" {
-                let why = "the first step is 100 times the time of the pericentre passage";
+                let why = "the first step is 100 times as long as the pericentre passage";
                 let kinds = &[
                     Kind::NoConvergence,
                     Kind::NotFinite,
@@ -135,7 +135,7 @@ fn fall(all: &mut Vec<Case>) {
         let why = "the motion ends in the singularity";
         all.push(if h > 1e-3 {
             // With Gauss as well.
-            let over = "a step may pass over the singularity, and nothing at its stages tells";
+            let over = "a step may pass over the singularity without any sign of it at the stages";
             case.trajectory(Trajectory::Open(over))
                 .ending(End::Either(kinds, why))
         } else {

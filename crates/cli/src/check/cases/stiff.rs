@@ -70,7 +70,7 @@ fn fpu(all: &mut Vec<Case>) {
     }
     let far = case("50", 4, 10.0, 200.0).ending(End::Either(&[Kind::Astray], TOO_LARGE));
     all.push(far.trajectory(Trajectory::Open(
-        "the slow motion is not resolved either: no trajectory to compare",
+        "the slow motion is not resolved either: no comparison of trajectories",
     )));
 }
 

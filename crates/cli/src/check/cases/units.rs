@@ -138,7 +138,7 @@ fn steps(all: &mut Vec<Case>) {
             all.push(if power < 0 {
                 case
             } else {
-                case.trajectory(Trajectory::Open("steps of whole periods resolve nothing"))
+                case.trajectory(Trajectory::Open("steps of entire periods resolve nothing"))
                     .ending(End::Either(
                         &[
                             Kind::NoConvergence,
@@ -146,7 +146,7 @@ fn steps(all: &mut Vec<Case>) {
                             Kind::NotFinite,
                             Kind::Astray,
                         ],
-                        "the stages of such a step need not exist",
+                        "the stage equations of such a step need not have a solution",
                     ))
             });
         }
