@@ -39,7 +39,7 @@ def test_failing_members_are_rows_of_nan():
     q0, p0 = np.array([[0.1], [1.0], [0.1], [np.nan]]), np.array([[0.0], [1.5], [0.1], [0.0]])
     ends = equip.ensemble(h, q0, p0, (0, 2), step=0.01, threads=2)
     assert sorted(ends.errors) == [1, 3] and not ends.success
-    assert "runs away to infinity" in ends.errors[1] and "initial value q0[0] is NaN" in ends.errors[3]
+    assert "escapes to infinity" in ends.errors[1] and "initial value q0[0] is NaN" in ends.errors[3]
     assert (
         np.isnan(ends.q[[1, 3]]).all()
         and np.isnan(ends.t[[1, 3]]).all()
@@ -52,11 +52,11 @@ def test_shapes(kepler):
     q0, p0 = starts(3)
     with pytest.raises(ValueError, match=r"q0 has shape \(2,\); it must be \(N, 2\)"):
         equip.ensemble(kepler, q0[0], p0, (0, 1))
-    with pytest.raises(ValueError, match="q0 has 3 starts, but p0 has 2"):
+    with pytest.raises(ValueError, match="q0 has 3 initial conditions, but p0 has 2"):
         equip.ensemble(kepler, q0, p0[:2], (0, 1))
     with pytest.raises(ValueError, match="threads is 0; it must be a whole number, 1 or more"):
         equip.ensemble(kepler, q0, p0, (0, 1), threads=0)
-    with pytest.raises(ValueError, match="steps of -1 lead from 0.0 away from 1.0"):
+    with pytest.raises(ValueError, match="steps of -1 from 0.0 lead away from 1.0"):
         equip.ensemble(kepler, q0, p0, (0, 1), step=-1)
     none = equip.ensemble(kepler, np.empty((0, 2)), np.empty((0, 2)), (0, 1))
     assert none.q.shape == (0, 2) and none.success
@@ -142,13 +142,13 @@ def test_a_killed_worker_loses_nothing_that_was_finished(kepler):
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
         part = equip.ensemble(kepler, q0, p0, span, step=0.1, executor=Killer(pool), chunk=4)
     assert part.lost.tolist() == list(range(8, 20)) == sorted(part.errors) and not part.success
-    assert "the worker of this run ended early" in part.errors[8]
+    assert "the worker of this run died" in part.errors[8]
     assert np.isfinite(part.q[:8]).all() and np.isnan(part.q[8:]).all()
     whole = equip.ensemble(kepler, q0, p0, span, step=0.1, resume=part)
     here = equip.ensemble(kepler, q0, p0, span, step=0.1)
     assert whole.success and not len(whole.lost)
     assert all(getattr(here, name).tobytes() == getattr(whole, name).tobytes() for name in NAMES)
-    with pytest.raises(ValueError, match="resume has 20 starts, but q0 has 3"):
+    with pytest.raises(ValueError, match="resume has 20 initial conditions, but q0 has 3"):
         equip.ensemble(kepler, q0[:3], p0[:3], span, resume=part)
 
 
@@ -296,10 +296,10 @@ def test_resume_is_of_the_same_runs(kepler, tmp_path):
         for span, how in [((0, 6), {"step": 0.1}), ((0, 5), {"step": 0.2}), ((0, 5), {"tolerance": 1e-9}),
                           ((0, 5), {"step": 0.1, "method": equip.Gauss()})]:  # fmt: skip
             with pytest.raises(
-                ValueError, match="resume has runs of another H, of other starts, another span"
+                ValueError, match="resume has runs with another H, other initial conditions, another span"
             ):
                 equip.ensemble(kepler, q0, p0, span, **how, resume=before)
-        with pytest.raises(ValueError, match="resume has runs of another H"):
+        with pytest.raises(ValueError, match="resume has runs with another H"):
             equip.ensemble(kepler, q0 + 1e-9, p0, (0, 5), step=0.1, resume=before)
     unknown = dataclasses.replace(part, digest="")
     assert equip.ensemble(kepler, q0, p0, (0, 5), step=0.1, resume=unknown).success

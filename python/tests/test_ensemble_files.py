@@ -42,7 +42,7 @@ def test_saved_and_read(kepler, tmp_path, name):
 def test_files_are_checked(kepler, tmp_path):
     q0, p0 = starts(2)
     with_outputs = equip.ensemble(kepler, q0, p0, (0, 1), output=len_of_run)
-    with pytest.raises(ValueError, match="outputs of a function are not written"):
+    with pytest.raises(ValueError, match="outputs cannot be saved"):
         with_outputs.save(tmp_path / "a.npz")
     dataclasses.replace(with_outputs, outputs=()).save(tmp_path / "a.npz")
     assert same(equip.Ensemble.load(tmp_path / "a.npz"), with_outputs)
@@ -210,9 +210,11 @@ def test_checkpoints_of_other_runs_are_refused(kepler, tmp_path):
         (kepler, q0, (0, 1), {"step": 0.125, "method": equip.Gauss(stages=8)}),
         (kepler, q0[:3], (0, 1), {"step": 0.125}),
     ]:
-        with pytest.raises(ValueError, match="has runs of another H, of other starts, another span or other"):
+        with pytest.raises(
+            ValueError, match="has runs with another H, other initial conditions, another span or other"
+        ):
             equip.ensemble(h, start, p0[: len(start)], span, checkpoint=path, **how)
-    with pytest.raises(ValueError, match="leave out resume and output, or checkpoint"):
+    with pytest.raises(ValueError, match="omit these, or checkpoint"):
         equip.ensemble(kepler, q0, p0, (0, 1), checkpoint=path, output=len_of_run)
     with pytest.raises(OSError, match="nowhere"):
         equip.ensemble(kepler, q0, p0, (0, 1), checkpoint=tmp_path / "nowhere" / "x.npz")

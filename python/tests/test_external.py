@@ -115,5 +115,5 @@ def test_it_is_pickled_by_its_functions(tmp_path):
     again = pickle.loads(pickle.dumps(KEPLER))
     assert again == KEPLER and hash(again) == hash(KEPLER) and again != RECORDED
     run = equip.solve(KEPLER, Q0, P0, (0, 0.2), step=0.05)
-    with pytest.raises(ValueError, match="code of its own"):
+    with pytest.raises(ValueError, match="an external energy cannot be stored"):
         run.save(tmp_path / "run.npz")

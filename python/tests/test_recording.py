@@ -208,7 +208,7 @@ def test_error_functions_of_numbers():
 def test_recordings_in_bytes_are_checked(kepler):
     recording = kepler.to_bytes()
     assert equip.Hamiltonian.from_bytes(recording, 2) == kepler
-    with pytest.raises(ValueError, match="these bytes are no energy"):
+    with pytest.raises(ValueError, match="these bytes are not an energy"):
         equip.Hamiltonian.from_bytes(b"something else", 2)
     with pytest.raises(ValueError, match="these bytes are damaged"):
         equip.Hamiltonian.from_bytes(recording[:-1], 2)

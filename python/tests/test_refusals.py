@@ -172,9 +172,9 @@ REFUSALS = {
     ),
     "another H": (
         lambda q, p: equip.scenes.kepler()(q, p) + q[0],
-        "a Hamiltonian cannot be called within another: call the function that it was made of",
+        "a Hamiltonian cannot be called within another: call its function",
     ),
-    "arity": (lambda q, p, mass: q[0], "H(q, p) must be a function of (q, p); it is one of (q, p, mass)"),
+    "arity": (lambda q, p, mass: q[0], "H(q, p) must be a function of (q, p); it takes (q, p, mass)"),
     "array": (
         lambda q, p: q,
         "H(q, p) must return one number; it returned an array of shape (2,): sum over it, for instance with .sum() or @",
@@ -235,14 +235,14 @@ def test_recordings_may_be_nested():
 @pytest.mark.parametrize("constant", [float("nan"), float("inf"), "nan"])
 def test_constants_must_be_finite(constant):
     with pytest.raises(
-        ValueError, match="a constant of the energy is (NaN|infinite); check the parameters captured by it"
+        ValueError, match="a constant of the energy is (NaN|infinite); check the captured parameters"
     ):
         equip.Hamiltonian(lambda q, p: q[0] * constant, 1)
 
 
 @pytest.mark.parametrize("zero", [0, 0.0, np.float64(0), np.zeros(1)])
 def test_division_by_zero_is_refused(zero):
-    with pytest.raises(ValueError, match="divided by the constant 0; check the parameters captured by it"):
+    with pytest.raises(ValueError, match="divided by the constant 0; check the captured parameters"):
         equip.Hamiltonian(lambda q, p: (q / zero)[0] + p[0], 1)
 
 
@@ -271,7 +271,7 @@ def test_other_functions_are_named():
         ({"events": wall}, r"event 0 \(wall\) must return one number; it returned an array of shape \(2,\)"),
         (
             {"events": [lambda t, y: y[0]]},
-            r"event 0 .*must be a function of \(t, q, p\); it is one of \(t, y\)",
+            r"event 0 .*must be a function of \(t, q, p\); it takes \(t, y\)",
         ),
         ({"events": lambda t, q, p: None}, r"event 0 .*made of q and p; it returned NoneType"),
         ({"events": 3}, r"events must be a function g\(t, q, p\), or a list of such"),

@@ -150,7 +150,7 @@ def test_methods_keep_what_they_promise(kepler):
     assert drift(equip.Hbvm(8, 3)) < 1e-14 and drift(equip.AveragedVectorField()) < 1e-13
     assert drift(equip.Trapezoidal(8)) < 1e-5
     for order_two in equip.AveragedVectorField(), equip.Trapezoidal(3), equip.Hbvm(4, 1):
-        with pytest.raises(ValueError, match="no estimate of its error"):
+        with pytest.raises(ValueError, match="no error estimate"):
             equip.solve(kepler, *START, (0, 1), tolerance=1e-6, method=order_two)
     with pytest.raises(ValueError, match="nodes"):
         equip.solve(kepler, *START, (0, 1), step=0.1, method=equip.Hbvm(2, 3))
@@ -179,7 +179,7 @@ def test_further_quantities_are_kept(kepler):
 
     # 2.3e-12 and 2.8e-14.
     assert defect(invariants={"cubic": cubic}) > 1e-12 and defect(preserve={"cubic": cubic}) < 1e-13
-    with pytest.raises(ValueError, match="2 quantities are to be conserved by 1 free"):
+    with pytest.raises(ValueError, match="2 quantities to conserve, but only 1 free"):
         equip.solve(
             kepler, *START, (0, 10), step=0.1, method=equip.Equip(2), preserve={"p": lambda q, p: p[0]}
         )
@@ -225,12 +225,12 @@ def test_chaos_indicators():
 def test_a_fault_on_the_way_leaves_what_was_made():
     h = equip.Hamiltonian(lambda q, p: p @ p / 2 - q[0] ** 4, 1)
     sol = equip.solve(h, [1.0], [1.5], (0, 10))
-    assert not sol.success and "runs away to infinity" in sol.message
+    assert not sol.success and "escapes to infinity" in sol.message
     assert 0 < sol.t[-1] < 10 and np.isfinite(sol.y).all() and sol.certificate.end == sol.t[-1]
     fixed = equip.solve(h, [1.0], [1.5], (0, 10), step=0.01)
     assert (
         not fixed.success
-        and "runs away to infinity" in fixed.message
+        and "escapes to infinity" in fixed.message
         and "end the run before that time" in fixed.message
     )
     few = equip.solve(h, [0.1], [0.0], (0, 1), max_steps=1, max_step=0.1)
@@ -246,7 +246,7 @@ def fails(kepler, text, *arguments, **options):
 def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, "give a step or a tolerance, not both", step=0.1, tolerance=1e-8)
     fails(kepler, "max_step belongs to steps by tolerance: leave out step, or them", step=0.1, max_step=1.0)
-    fails(kepler, "steps of -0.1 lead from 0 away from 1; give a step without a sign", step=-0.1)
+    fails(kepler, "steps of -0.1 from 0 lead away from 1; give a step without a sign", step=-0.1)
     fails(kepler, "the step is 0; it must", step=0.0)
     fails(kepler, r"atol has 3 parts; it must be a number, or a pair", atol=(1e-9, 1e-9, 1e-9))
     fails(kepler, r"atol must be numbers, or arrays of the shape \(2,\)", atol=([1e-9] * 3, 1e-9))
@@ -261,8 +261,8 @@ def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, "q0 is complex; it must be real", [1j, 0], [0, 1], (0, 1))
     fails(kepler, "q0: .*is no number", [None, 0], [0, 1], (0, 1))
     fails(kepler, "`one` is not a decimal|one", ["one", "0"], [0, 1], (0, 1))
-    fails(kepler, r"output time 2 \(number 1\) must lie in 0 to 1", t_eval=[0.5, 2])
-    fails(kepler, "not before the one ahead of it", t_eval=[0.5, 0.25])
+    fails(kepler, r"output time 2 \(number 1\) must lie between 0 and 1", t_eval=[0.5, 2])
+    fails(kepler, "sorted in the direction of the run", t_eval=[0.5, 0.25])
     fails(kepler, r"t_eval has shape \(1, 2\); it must have one axis", t_eval=[[0.25, 0.5]])
     fails(kepler, "stages is 40; it must be a whole number, 2 to 32", method=equip.Equip(40))
     fails(kepler, "reach is 'far'; it must be", method=equip.Equip(4, reach="far"))

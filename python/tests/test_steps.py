@@ -90,7 +90,7 @@ def test_suggested_steps(kepler):
         kepler, *START, span, 1.0, by="phase"
     )
     assert equip.suggest_step(kepler, *START, span, 1e-6, by="energy") > 0
-    with pytest.raises(equip.IntegrationError, match="take a larger target"):
+    with pytest.raises(equip.IntegrationError, match="use a larger target"):
         equip.suggest_step(kepler, *START, span, 1e-17)
     with pytest.raises(ValueError, match="`target error` is -1; it must be positive"):
         equip.suggest_step(kepler, *START, span, -1)
@@ -181,12 +181,12 @@ def test_a_ball_bounces_step_by_step():
 
 def test_events_that_steps_refuse_say_what_to_do():
     ball, floor = ball_and_floor()
-    with pytest.raises(ValueError, match="leave out one of them"):
+    with pytest.raises(ValueError, match="omit one of them"):
         equip.steps(ball, [0.5], [0.0], step=0.3, events=floor, deviations=[1.0, 0.0])
     floor.then = lambda t, q, p: 1 / 0
     with pytest.raises(ZeroDivisionError):
         equip.steps(ball, [0.5], [0.0], step=0.3, events=floor).advance_to(2.0)
     del floor.then
     floor.terminal = True
-    with pytest.raises(ValueError, match="leave the loop"):
+    with pytest.raises(ValueError, match="break out of the loop"):
         equip.steps(ball, [0.5], [0.0], step=0.3, events=floor)

@@ -93,7 +93,7 @@ fn a_body_of_no_mass_is_refused() {
     );
     let text = failure.to_string();
     assert!(
-        text.contains("given a small mass in place of none, 1e-12"),
+        text.contains("for a test particle use a small mass, for example 1e-12"),
         "{text}"
     );
 }

@@ -250,7 +250,7 @@ fn the_motion_leaves_a_table() {
             else {
                 panic!("{text}");
             };
-            assert!(text.contains("outside of a table of H"), "{text}");
+            assert!(text.contains("argument of a table in H"), "{text}");
             assert!(
                 first == -1.0 && last == 1.0 && argument * side > 1.0,
                 "{text}"

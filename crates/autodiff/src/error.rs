@@ -12,8 +12,8 @@ pub enum BuildError {
 
     /// There are more degrees of freedom than a trace can hold.
     #[error(
-        "{m} degrees of freedom are more than the 2^29 of which a recording has places; \
-         write the energy with fewer, or integrate independent parts one by one"
+        "{m} degrees of freedom exceed the limit of 2^29; \
+         use fewer, or integrate independent parts one by one"
     )]
     TooManyDegreesOfFreedom {
         /// The number of degrees of freedom requested.
@@ -22,15 +22,15 @@ pub enum BuildError {
 
     /// There are more operations than a trace can hold.
     #[error(
-        "the energy has more than the 2^31 operations of which a recording has places; \
-         leave out what is too small to matter, such as forces between distant particles"
+        "the energy exceeds the limit of 2^31 operations; \
+         omit negligible terms, such as forces between distant particles"
     )]
     TooManyOperations,
 
     /// The energy compares the state with something.
     #[error(
-        "the energy compares the state at {location}, but it is recorded once and replayed at every state; \
-         write the piecewise part with .min(), .max(), .abs() or .select(), or choose between two Hamiltonians outside"
+        "the energy compares variables of the state at {location}, but H is traced once, before any state is known; \
+         write the piecewise part with .min(), .max(), .abs() or .select(), or choose between two Hamiltonians outside H"
     )]
     Branch {
         /// The source location of the comparison.
@@ -39,7 +39,7 @@ pub enum BuildError {
 
     /// The energy reads a number out of the state.
     #[error(
-        "the energy reads a number out of the state at {location}, but it is recorded before any state is \
+        "the energy converts a variable of the state to a number at {location}, but H is traced before any state is \
          known; compute with the variable itself (it has .sqrt(), .sin(), .powf(), ...)"
     )]
     ReadOut {
@@ -49,29 +49,29 @@ pub enum BuildError {
 
     /// The energy uses a variable of another trace.
     #[error(
-        "the energy uses a variable that was not made inside it; capture plain numbers \
-         (f64, ratio, decimal, DoubleDouble) and make variables from q, p and these only"
+        "the energy uses a variable of another energy; capture plain numbers \
+         (f64, ratio, decimal, DoubleDouble) and derive variables from q, p and these numbers only"
     )]
     ForeignVariable,
 
     /// A constant of the energy is NaN.
     #[error(
-        "a constant of the energy is NaN; check the parameters captured by it, and products, quotients and \
-         roots of constants such as 0/0"
+        "a constant of the energy is NaN; check the captured parameters, and products, quotients and \
+         roots of constants, such as 0/0"
     )]
     ConstantNotANumber,
 
     /// A constant of the energy is infinite.
     #[error(
-        "a constant of the energy is infinite; check the parameters captured by it, and quotients and powers \
-         of constants such as 1/0, and leave out bounds that are infinite"
+        "a constant of the energy is infinite; check the captured parameters, and quotients and powers \
+         of constants, such as 1/0; omit infinite bounds"
     )]
     ConstantInfinite,
 
     /// An invalid entry of a bracket.
     #[error(
-        "entry ({row}, {column}) of the bracket is on the diagonal, outside of the {components} components, or \
-         named twice; name each pair of two components once, counted from 0: the other entry follows with the \
+        "entry ({row}, {column}) of the bracket is on the diagonal, outside the {components} components, or \
+         given twice; give each pair of components once, counted from 0: the transposed entry follows with the \
          opposite sign"
     )]
     BracketEntry {
@@ -85,15 +85,15 @@ pub enum BuildError {
 
     /// A bracket was given for an energy that depends on time.
     #[error(
-        "the energy depends on time and has a bracket of its own, which is not integrated; make time a \
-         component of the state with an energy that moves it, or leave out the bracket"
+        "an energy that depends on time cannot have a bracket; make time a component of the state, with a \
+         conjugate momentum, or omit the bracket"
     )]
     BracketWithTime,
 
     /// The accuracy of an external energy is not a relative rounding error.
     #[error(
-        "the accuracy {accuracy:e} of an external energy is no relative error of its values; give 2.2e-16 for \
-         values computed in doubles, 1e-7 for those in single precision"
+        "the accuracy {accuracy:e} of an external energy must be the relative error of its values; give 2.2e-16 \
+         for values in double precision, 1e-7 for values in single precision"
     )]
     Accuracy {
         /// The accuracy given.
@@ -102,8 +102,8 @@ pub enum BuildError {
 
     /// The supplied gradient is not the gradient of the energy.
     #[error(
-        "component {component} of the supplied gradient is {given:e}, but the energy has {expected:e} there \
-         (components 0..m are the derivatives by q, m..2m those by p); correct it, or leave it out"
+        "component {component} of the supplied gradient is {given:e}, but that of the energy is {expected:e} \
+         (components 0..m are ∂H/∂q, m..2m are ∂H/∂p); correct the gradient, or omit it"
     )]
     WrongGradient {
         /// The component of (∂H/∂q, ∂H/∂p), counted from 0.
@@ -121,7 +121,7 @@ pub enum BuildError {
 pub enum BytesError {
     /// The energy calls a function that cannot be written as data.
     #[error(
-        "the energy uses {function}, which is code and cannot be written; write it with the functions of H, or \
+        "the energy uses {function}, which is code and cannot be stored; write it with the functions of H, or \
          give it as a table"
     )]
     NotData {
@@ -130,15 +130,13 @@ pub enum BytesError {
     },
 
     /// H is an external energy.
-    #[error(
-        "the energy is computed by code of its own and cannot be written; write it as a closure of q and p"
-    )]
+    #[error("an external energy cannot be stored; write it as a closure of q and p")]
     External,
 
     /// H has many components, and depends on few of them.
     #[error(
-        "the energy has {components} components and depends on few of them, which bytes of a recording do not \
-         hold; leave the others out, they do not move H"
+        "the energy has {components} components but depends on few of them, and cannot be stored; omit the \
+         components on which H does not depend"
     )]
     ComponentsNotUsed {
         /// The number of components of the state.
@@ -147,8 +145,8 @@ pub enum BytesError {
 
     /// There is not enough memory for the trace.
     #[error(
-        "there is no memory for an energy of {components} components; read it on a machine with more, or end \
-         other programs"
+        "not enough memory for an energy of {components} components; read it on a machine with more memory, or \
+         end other programs"
     )]
     OutOfMemory {
         /// The number of components of the state.
@@ -156,13 +154,13 @@ pub enum BytesError {
     },
 
     /// The bytes do not begin like an energy.
-    #[error("these bytes are no energy; give those that Hamiltonian::to_bytes made, all of them")]
+    #[error("these bytes are not an energy; give all bytes that Hamiltonian::to_bytes returned")]
     NotAnEnergy,
 
     /// The bytes have another version of the format.
     #[error(
-        "these bytes have format {found}, and this version of the library reads format {known}; record the \
-         energy anew"
+        "these bytes have format {found}, but this version of the library reads format {known}; trace the \
+         energy again"
     )]
     Format {
         /// The format of the bytes.
@@ -172,7 +170,7 @@ pub enum BytesError {
     },
 
     /// The checksum or the number of bytes is wrong.
-    #[error("these bytes are damaged: {what}; record the energy anew, or use another copy")]
+    #[error("these bytes are damaged: {what}; trace the energy again, or use another copy")]
     Damaged {
         /// What is wrong.
         what: &'static str,
@@ -180,8 +178,8 @@ pub enum BytesError {
 
     /// A table in the bytes could not be read.
     #[error(
-        "the energy has a function from outside that was not read; give from_bytes_with what reads it, as \
-         tables::from_bytes does"
+        "the energy has an external function that was not read; give from_bytes_with a reader for it, such as \
+         tables::from_bytes"
     )]
     UnknownFunction,
 

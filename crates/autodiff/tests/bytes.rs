@@ -136,7 +136,7 @@ fn every_flipped_bit_and_every_missing_byte_is_refused() {
     let newer = [&bytes[..8], &[3, 0, 0, 0], &bytes[12..]].concat();
     let message = Hamiltonian::from_bytes(&newer).unwrap_err().to_string();
     assert!(
-        message.contains("format 3, and this version of the library reads format 2"),
+        message.contains("format 3, but this version of the library reads format 2"),
         "{message}"
     );
 }

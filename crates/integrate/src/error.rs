@@ -11,17 +11,17 @@ fn below_minimum<T: Float>(step: T, min: T, growth: T) -> String {
             format!(", and `min_step` is {min:e}"),
             "lower `min_step` or ",
         ),
-        false => (", and time resolves none".to_owned(), ""),
+        false => (", the resolution of time".to_owned(), ""),
     };
     let remedy = format!("{lower}loosen the tolerance");
     if growth > T::int(0) {
         format!(
-            "{bound}; the motion nears a singularity, force or speed are {growth:.1e} times what they were at the start: end the run before that time, or {remedy}"
+            "{bound}; the motion approaches a singularity, where force or speed has grown by a factor of {growth:.1e} since the start: end the run before that time, or {remedy}"
         )
     } else if is_bounded {
         format!("{bound}: {remedy}")
     } else {
-        format!("{bound}; H has a kink, a jump or much rounding there: {remedy}")
+        format!("{bound}; H has a discontinuity or a large rounding error there: {remedy}")
     }
 }
 
@@ -31,7 +31,7 @@ fn below_minimum<T: Float>(step: T, min: T, growth: T) -> String {
 pub enum IntegrateError<T: Float> {
     /// The number of stages is outside the range of the method or of the tableau.
     #[error(
-        "{stages} stages requested; this method takes {min} to {max}: change the argument of `stages`"
+        "{stages} stages requested; this method accepts {min} to {max}: change the argument of `stages`"
     )]
     StagesOutOfRange {
         /// The number of stages requested.
@@ -43,12 +43,12 @@ pub enum IntegrateError<T: Float> {
     },
     /// A tolerance was given for a method of degree 1.
     #[error(
-        "a method of order 2 has no estimate of its error: give a step, or take HBVM of degree 2 or more"
+        "a method of order 2 has no error estimate: give a step, or use HBVM of degree 2 or more"
     )]
     NoErrorEstimate,
     /// The step is zero, infinite or NaN.
     #[error(
-        "the step is {step}; it must be finite and not zero (a negative one goes back in time)",
+        "the step is {step}; it must be finite and not zero (a negative step goes back in time)",
         step = plain(*step))]
     StepOutOfRange {
         /// The step given.
@@ -56,7 +56,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// An option belongs to the other kind of steps.
     #[error(
-        "`{option}` does not belong to {}; leave it out, or use `.{}`",
+        "`{option}` is not an option of {}; omit it, or use `.{}`",
         if *option == "max_halvings" { "steps by a tolerance" } else { "fixed steps" },
         if *option == "max_halvings" { "step(h)" } else { "tolerance(tol)" }
     )]
@@ -66,7 +66,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The steps lead away from the end of the run.
     #[error(
-        "steps of {step} lead from {start} away from {end}; give a step without a sign, which takes the direction of the interval, or an end on the other side; a resumed run keeps its direction",
+        "steps of {step} from {start} lead away from {end}; give a step without a sign (the interval then determines the direction), or an end on the other side; a resumed run keeps its direction",
         step = plain(*step), start = plain(*start), end = plain(*end))]
     StepsLeadAway {
         /// A step, with its sign.
@@ -78,7 +78,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The step vanishes in the rounding of time.
     #[error(
-        "the step {step} does not change the time {time}; take a larger step or let time start at 0",
+        "the step {step} does not change the time {time}; use a larger step, or begin at time 0",
         time = plain(*time), step = plain(*step))]
     StepBelowTimeResolution {
         /// The step given.
@@ -88,7 +88,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The number of steps is too large.
     #[error(
-        "the interval takes {steps:.1e} steps of this size; take a larger step or a shorter interval"
+        "the interval needs {steps:.1e} steps of this size; use a larger step or a shorter interval"
     )]
     TooManySteps {
         /// The interval divided by the step.
@@ -105,14 +105,14 @@ pub enum IntegrateError<T: Float> {
     },
     /// Tangent vectors were not propagated over all steps of a run.
     #[error(
-        "the run has made {steps} steps since deviations were last propagated; propagate them after every step, or go on with `advance_to` of the tangent map"
+        "the run has made {steps} steps since the tangent vectors were last propagated; propagate them after every step, or continue with `advance_to` of the tangent map"
     )]
     StepsNotFollowed {
         /// The number of steps since the last propagation.
         steps: u64,
     },
     /// A state with an odd number of components has no bracket.
-    #[error("a state of {components} components needs a bracket; give it by `with_bracket`")]
+    #[error("a state of {components} components needs a bracket; add it with `with_bracket`")]
     NoBracket {
         /// The number of components of the state.
         components: usize,
@@ -139,7 +139,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// H or its gradient is infinite or NaN at the initial state.
     #[error(
-        "at the initial state H or its gradient is not finite (H = {energy}); start elsewhere or check H for a division by zero, a root or a logarithm of a negative number; a test particle is given a small mass in place of none, 1e-12 of the others' say, whose pull on them is as small"
+        "at the initial state H or its gradient is not finite (H = {energy}); change the initial state, or check H for a division by zero, or a root or logarithm of a negative number; for a test particle use a small mass, for example 1e-12 of the other masses, not mass 0"
     )]
     EnergyNotFinite {
         /// H at the initial state.
@@ -147,7 +147,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// A user-supplied gradient is not the gradient of H.
     #[error(
-        "at t = {time} the gradient given by hand has {given:e} for ∂H/∂{what}[{index}], where H has {expected:e}; correct it, leave it out (H is differentiated then), or take it as it is with `check_gradient(false)`",
+        "at t = {time} the gradient written by hand has ∂H/∂{what}[{index}] = {given:e}, but H has {expected:e}; correct the gradient, omit it (H is then differentiated automatically), or disable the test with `check_gradient(false)`",
         time = plain(*time))]
     WrongGradient {
         /// The time of the state.
@@ -172,7 +172,7 @@ pub enum IntegrateError<T: Float> {
         expected: &'static str,
     },
     /// There are more quantities to conserve than parameters α.
-    #[error("{kept} quantities are to be conserved by {alphas} free parameters α; take at least {} stages with all α free, or conserve fewer", kept + 1)]
+    #[error("{kept} quantities to conserve, but only {alphas} free parameters α; use at least {} stages with all α free, or conserve fewer quantities", kept + 1)]
     TooFewAlphas {
         /// The number of equations: the energy unless H is quadratic, and the further invariants.
         kept: usize,
@@ -181,7 +181,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// An output time lies outside the interval, or precedes the one before it.
     #[error(
-        "output time {time} (number {index}) must lie in {start} to {end} and not before the one ahead of it, in the order in which the run goes",
+        "output time {time} (number {index}) must lie between {start} and {end}, and output times must be sorted in the direction of the run",
         time = plain(*time), start = plain(*start), end = plain(*end))]
     OutputTime {
         /// The time given.
@@ -195,7 +195,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// A checkpoint was made under other conditions.
     #[error(
-        "the checkpoint was made with {what} {stored}, this run has {now}; resume with what it was made with, or start anew"
+        "the checkpoint was made with {what} {stored}, this run has {now}; resume with the settings of the checkpoint, or start again"
     )]
     CheckpointMismatch {
         /// The item that differs.
@@ -207,21 +207,21 @@ pub enum IntegrateError<T: Float> {
     },
     /// A checkpoint was made with another H.
     #[error(
-        "H is not what it was when the checkpoint was made at t = {time}: give the same Hamiltonian with the same parameters, or start anew",
+        "H differs from the H of the checkpoint, which was made at t = {time}: give the same Hamiltonian with the same parameters, or start again",
         time = plain(*time))]
     CheckpointOtherEnergy {
         /// The time of the checkpoint.
         time: T,
     },
     /// A checkpoint cannot be read.
-    #[error("the checkpoint is damaged: {what} cannot be read; take an earlier one or start anew")]
+    #[error("the checkpoint is damaged: {what} cannot be read; use an earlier one, or start again")]
     CheckpointDamaged {
         /// The part that cannot be read.
         what: &'static str,
     },
     /// A checkpoint was made after the shorter last step of a run.
     #[error(
-        "the checkpoint was made at t = {time}, which is not on the grid of its steps (the last step of a run may be shorter); resume from an earlier one, or start anew from there",
+        "the checkpoint was made at t = {time}, which is not on its time grid (the last step of a run may be shorter); resume from an earlier checkpoint, or start a new run from this state",
         time = plain(*time))]
     CheckpointOffGrid {
         /// The time of the checkpoint.
@@ -229,7 +229,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// An event function, or its noise, changes sign too often.
     #[error(
-        "the event `{event}` has more structure in the step at t = {time}, h = {step:e} than can be told from noise; give a smooth function whose rounding is small compared with its changes",
+        "the event function `{event}` changes sign more often in the step at t = {time}, h = {step:e} than its rounding errors allow to resolve; give a smooth function whose rounding errors are small compared with its changes",
         time = plain(*time))]
     EventTooRough {
         /// The name of the event.
@@ -241,7 +241,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// An event has made a state from which the run cannot continue.
     #[error(
-        "the event `{event}` has changed the state at t = {time} to one from which the run cannot continue: {cause}",
+        "the run cannot continue from the state to which the event `{event}` changed it at t = {time}: {cause}",
         time = plain(*time))]
     ChangedState {
         /// Name of the event.
@@ -253,7 +253,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The error due to rounding exceeds the target of a suggested step.
     #[error(
-        "the error stays at {reached:e} however small the step (that of {step:e} is no worse), and {target:e} is requested: take a larger target, a shorter interval or a number type of more digits"
+        "rounding limits the error to {reached:e} (step {step:e}), above the target {target:e}: use a larger target, a shorter interval, or a floating-point type with more digits"
     )]
     TargetBelowRoundOff {
         /// The target.
@@ -265,7 +265,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// No trial has reached the target of a suggested step.
     #[error(
-        "no step down to {step:e} reaches the target {target:e} (the last trial had the error {error:e}); take more stages, a larger target or a shorter interval, or variable steps"
+        "no step size down to {step:e} reaches the target {target:e} (the last trial had an error of {error:e}); use more stages, a larger target, a shorter interval, or variable steps"
     )]
     TargetNotReached {
         /// The target.
@@ -277,7 +277,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The motion leaves a table of H that does not extrapolate.
     #[error(
-        "at t = {time} the motion is at {argument:e}, outside of a table of H that begins at {first:e} and ends at {last:e}; end the run before, measure further, or extrapolate the table",
+        "at t = {time} the argument of a table in H is {argument:e}, outside its range {first:e} to {last:e}; end the run earlier, extend the data, or extrapolate the table",
         time = plain(*time))]
     OutsideOfTable {
         /// The time of a stage or of the end of a step outside the table.
@@ -289,9 +289,9 @@ pub enum IntegrateError<T: Float> {
         /// The last knot.
         last: T,
     },
-    /// Step control requires a step below the smallest allowed one, or below the resolution of time.
+    /// The step controller requires a step below the smallest allowed one, or below the resolution of time.
     #[error(
-        "the tolerance {tolerance:e} asks for a step below {step:e} at t = {time}{}",
+        "the tolerance {tolerance:e} requires a step below {step:e} at t = {time}{}",
         below_minimum(*step, *min, *growth),
         time = plain(*time))]
     StepBelowMinimum {
@@ -309,7 +309,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The run has reached its maximum number of steps.
     #[error(
-        "{steps} steps were made and t = {time} is reached; raise `max_steps`, loosen the tolerance or shorten the interval",
+        "the limit of {steps} steps is reached at t = {time}; raise `max_steps`, loosen the tolerance, or shorten the interval",
         time = plain(*time))]
     StepLimit {
         /// The maximum number of steps.
@@ -331,7 +331,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The stage equations did not converge, even after all halvings.
     #[error(
-        "the stage equations did not converge in the step at t = {time}, h = {step}, also after halving it {halvings} times ({iterations} iterations, last correction {correction:e} relative to the state); take a smaller step",
+        "the iteration for the stages did not converge in the step at t = {time}, h = {step}, also after halving it {halvings} times ({iterations} iterations, last correction {correction:e} relative to the state); use a smaller step",
         time = plain(*time), step = plain(*step))]
     NoConvergence {
         /// The start of the step.
@@ -347,7 +347,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The solution of the stage equations does not follow the motion.
     #[error(
-        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy differs by {change:e}, where {exchanged:e} is exchanged between positions and momenta: the step is too large for them to have the solution that follows the motion; take a smaller step",
+        "the step at t = {time}, h = {step} is too large: the solution of its stage equations does not follow the motion (H changes by {change:e}, while positions and momenta exchange {exchanged:e}); use a smaller step",
         time = plain(*time), step = plain(*step))]
     Astray {
         /// The start of the step.
@@ -361,7 +361,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The motion escapes to infinity in finite time.
     #[error(
-        "the motion runs away to infinity: at t = {time} the position has the size {size:e} and grows by a factor within h = {step}; end the run before that time, or start where the energy is too low to escape",
+        "the motion escapes to infinity: at t = {time} |q| is {size:e} and still multiplies within h = {step}; end the run before that time, or start with an energy below the escape energy",
         time = plain(*time), step = plain(*step))]
     Escape {
         /// The start of the step.
@@ -373,7 +373,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The Newton matrix is singular, even after all halvings.
     #[error(
-        "the Newton matrix is singular in the step at t = {time}, h = {step}, also after halving it {halvings} times; take a slightly different step",
+        "the Newton matrix is singular in the step at t = {time}, h = {step}, also after halving it {halvings} times; use a slightly different step",
         time = plain(*time), step = plain(*step))]
     Singular {
         /// The start of the step.
@@ -385,7 +385,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// No admissible α conserves the energy, and uncorrected steps are to be rejected.
     #[error(
-        "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {energy_error:e}, round-off level {round_off:e}); take a smaller step, more stages, all α, or leave the energy error to a later step",
+        "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {energy_error:e}, round-off level {round_off:e}); use a smaller step, more stages or all α, or accept uncorrected steps",
         time = plain(*time), step = plain(*step))]
     NoAdmissibleAlpha {
         /// The start of the step.

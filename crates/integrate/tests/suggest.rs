@@ -213,7 +213,7 @@ fn options_of_other_steps_are_refused() {
         let error = options.prepare(&pendulum).unwrap_err();
         assert_eq!(error, IntegrateError::MisplacedOption { option: name });
         let text = error.to_string();
-        assert!(text.contains("leave it out, or use `."), "{text}");
+        assert!(text.contains("omit it, or use `."), "{text}");
     }
     let suggested = fixed.suggest_step(&pendulum, &[0.5], &[0.0], 0.0..=1.0);
     assert!(matches!(

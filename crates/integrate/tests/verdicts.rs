@@ -235,7 +235,7 @@ fn singularities_and_bounds_are_named_where_they_are() {
     match failure.error {
         IntegrateError::StepBelowMinimum { growth, .. } => {
             assert!(
-                growth > 1e8 && text.contains("nears a singularity"),
+                growth > 1e8 && text.contains("approaches a singularity"),
                 "{text}"
             );
         }

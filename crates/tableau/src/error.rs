@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum TableauError {
     /// The number of stages or of quadrature nodes is outside the supported range.
-    #[error("{stages} stages or nodes are not offered; choose a number from {min} to {max}")]
+    #[error("{stages} stages or nodes are not supported; choose a number from {min} to {max}")]
     StagesOutOfRange {
         /// The number requested.
         stages: usize,
@@ -25,9 +25,7 @@ pub enum TableauError {
         degree: usize,
     },
     /// A is not s × s for the s entries of b.
-    #[error(
-        "{entries} entries in A do not go with {stages} weights; give {stages} rows of {stages} entries"
-    )]
+    #[error("A has {entries} entries for {stages} weights; give {stages} rows of {stages} entries")]
     ShapeMismatch {
         /// The number of entries of A.
         entries: usize,

@@ -1,11 +1,11 @@
-//! [`TableError`]: why a table or a function with its derivatives was not accepted.
+//! [`TableError`]: why a table, or a function with its derivatives, was rejected.
 
-/// Why data make no table, or a function has other derivatives than those given for it.
+/// Why a table could not be built from data, or why a function was rejected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
     /// Fewer knots than the spline needs.
-    #[error("{found} knots are too few for this spline, which needs {needed}; give more points")]
+    #[error("this spline needs at least {needed} knots, not {found}; give more points")]
     TooFewKnots {
         /// Knots given.
         found: usize,
@@ -22,15 +22,15 @@ pub enum TableError {
         values: usize,
     },
 
-    /// A knot is not above the one before.
-    #[error("knot {index} is not above the one before; sort the knots and give each of them once")]
+    /// The knots do not ascend.
+    #[error("knot {index} is not larger than the knot before; sort the knots and give each once")]
     NotAscending {
         /// Index of the knot, counted from 0.
         index: usize,
     },
 
     /// A number is NaN or infinite.
-    #[error("{what} {index} is NaN or infinite; leave out points that were not measured")]
+    #[error("{what} {index} is NaN or infinite; omit missing points")]
     NotFinite {
         /// `knot`, `value` or `condition at end`.
         what: &'static str,
@@ -40,7 +40,7 @@ pub enum TableError {
 
     /// The spline does not fit into the range of numbers.
     #[error(
-        "the spline overflows between knots {index} and {}; measure in other units, or move knots apart",
+        "the spline overflows between knots {index} and {}; use other units, or move the knots apart",
         index + 1
     )]
     Overflow {
@@ -48,10 +48,10 @@ pub enum TableError {
         index: usize,
     },
 
-    /// The table says nothing there.
-    #[error("{x:e} is outside of the table, which begins at {first:e} and ends at {last:e}")]
+    /// The argument is outside the range of the table.
+    #[error("{x:e} is outside the range of the table, {first:e} to {last:e}")]
     OutsideOfTable {
-        /// Where a value was requested.
+        /// The argument.
         x: f64,
         /// First knot.
         first: f64,
@@ -59,26 +59,24 @@ pub enum TableError {
         last: f64,
     },
 
-    /// A derivative given with a function is not its derivative.
+    /// A closure for a derivative disagrees with differences of the function.
     #[error(
-        "derivative {order} of the function is {given:e} at {x:e}, but differences of derivative {} give \
+        "at {x:e} derivative {order} of the function is {given:e}, but differences of derivative {} give \
          {expected:e}; correct the closure",
         order - 1
     )]
     WrongDerivative {
         /// 1 for f′, 2 for f″.
         order: u8,
-        /// Where.
+        /// The argument.
         x: f64,
-        /// What the closure says.
+        /// The value of the closure.
         given: f64,
-        /// What differences say.
+        /// The value from differences.
         expected: f64,
     },
 
-    /// Bytes from which a table was to be made are not those of one.
-    #[error(
-        "these bytes are no table that this version knows; make the table anew from its points"
-    )]
+    /// The bytes are not a table.
+    #[error("these bytes are not a table of this version; build the table again from its points")]
     Damaged,
 }

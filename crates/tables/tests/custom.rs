@@ -100,7 +100,7 @@ fn wrong_derivatives_are_named() {
     ));
     let text = found.unwrap_err().to_string();
     assert!(
-        text.starts_with("derivative 2 of the function is 6e0 at 5e-1"),
+        text.starts_with("at 5e-1 derivative 2 of the function is 6e0"),
         "{text}"
     );
     let nan = Custom::new(|_| f64::NAN, |x| x, |_| 1.0);

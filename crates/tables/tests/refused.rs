@@ -92,6 +92,6 @@ fn values_outside() {
 #[test]
 fn words() {
     let found = Table::natural(&[0.0, 2.0, 1.0], &[0.0; 3]).map_err(|e| e.to_string());
-    let text = "knot 2 is not above the one before; sort the knots and give each of them once";
+    let text = "knot 2 is not larger than the knot before; sort the knots and give each once";
     assert_eq!(found.err().as_deref(), Some(text));
 }

@@ -1,4 +1,4 @@
-"""Energy-conserving integration of Hamiltonian systems from the scalar H(q, p) alone."""
+"""Energy-conserving integration of Hamiltonian systems. The user writes only the energy H(q, p)."""
 
 from importlib.util import find_spec as _find_spec
 

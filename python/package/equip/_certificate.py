@@ -1,4 +1,4 @@
-"""`Certificate`: what a run kept, measured."""
+"""`Certificate`: what a run conserved, measured."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Optional, Union, get_args, get_origin, get_type_hints
 
 @dataclass(frozen=True)
 class Conserved:
-    """How far a quantity has strayed from its value at the start, in its own unit."""
+    """The error of a conserved quantity: its difference from the initial value, in its own unit."""
 
     name: str
     start: float
@@ -21,27 +21,27 @@ class Conserved:
 
 @dataclass(frozen=True)
 class EnergyRoundOff:
-    """The largest round-off level of H over the steps that conserved it, and the energies."""
+    """The largest round-off level of H over the steps that conserve H, and the scale of the energies."""
 
     round_off: float
-    #: Time of the step at whose end it was largest.
+    #: Time at the end of the step with this level.
     time: float
-    #: abs(H), or the kinetic energy where that is larger and the round-off level is beyond 1e-6 of abs(H).
+    #: abs(H), or the kinetic energy if it is larger and the round-off level exceeds 1e-6 of abs(H).
     scale: float
 
 
 @dataclass(frozen=True)
 class EnergyJumps:
-    """Crossings at which H itself jumps: no force comes of it, and H differs by the jump."""
+    """Discontinuities at which H itself jumps. A jump exerts no force, so H changes by the jump."""
 
     count: int
-    #: The largest, in the unit of H.
+    #: The largest jump, in the unit of H.
     largest: float
 
 
 @dataclass(frozen=True)
 class PhasePerStep:
-    """The angle in radians by which the fastest motion turns in a step of that size, where it was largest."""
+    """The largest phase hω of the fastest motion in a step, in radians, and the size of that step."""
 
     angle: float
     step: float
@@ -49,14 +49,14 @@ class PhasePerStep:
 
 @dataclass(frozen=True)
 class VariableSteps:
-    """What step control did."""
+    """The work of the step controller."""
 
-    #: Of a step, relative to the motion within it.
+    #: Error of a step, relative to the change of the state over the step.
     tolerance: float
-    #: Sizes of the steps, in the unit of time.
+    #: Step sizes, in the unit of time.
     smallest: float
     largest: float
-    #: Steps refused because their error estimate was too large, and because they could not be solved.
+    #: Steps rejected for their error estimate, and steps whose iteration for the stages failed.
     rejected: int
     failed: int
 
@@ -66,78 +66,78 @@ class Counts:
     """Counts of work. Equal runs have equal counts on every machine."""
 
     steps: int
-    #: Steps whose defect of the energy was left to a later one.
+    #: Uncorrected steps: their energy error was not removed.
     uncorrected: int
     #: Fixed-point iterations over all stages without a preconditioner.
     fixed_point_iterations: int
     #: Iterations with a preconditioner.
     newton_iterations: int
-    #: Times the stages of a step were begun anew with another preconditioner.
+    #: Restarts of the iteration of a step with another preconditioner.
     taken_over: int
-    #: Preconditioners made of ∇²H at all stages, and of one ∇²H.
+    #: Factorisations of full Newton (∇²H at all stages) and of simplified Newton (one ∇²H).
     factorisations: int
     simplified_factorisations: int
-    #: Evaluations of ∇H, of ∇²H, and of H alone, at one point each.
+    #: Evaluations of ∇H, of ∇²H, and of H alone, each at one point.
     gradients: int
     hessians: int
     energies: int
     #: Search directions of α, and updates of α.
     directions: int
     alpha_updates: int
-    #: Local errors estimated to judge a displacement.
+    #: Estimates of the local error, for the test whether α is admissible.
     local_errors: int
-    #: Times a step was split into two.
+    #: Halvings of steps.
     halvings: int
-    #: Steps made for outputs between two steps, which are counted in no other number.
+    #: Steps made for outputs between two steps. No other count contains these.
     output_steps: int
-    #: Steps whose outputs are of order s only: the stages of a finer polynomial were not found.
+    #: Steps whose outputs have only order s, because the iteration for the 2s stages failed.
     coarse_outputs: int
-    #: Crossings of kinks and jumps of H at which a step, or a part of a fixed one, ended.
+    #: Discontinuities at which a step, or a part of a fixed step, ended.
     switches_crossed: int
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """The measured record of a run: errors of energy and invariants, outcomes of the steps, counts of work.
+    """The report of a run: errors of energy and invariants, outcomes of the steps, counts of work.
 
-    Times are in the unit of time of H, errors in that of their quantity, `seconds` are those of the wall
-    clock. `str` is the text that the command line program prints; notebooks show a table.
+    Times are in the unit of time of H, errors in the unit of their quantity. `seconds` is wall-clock time.
+    `str` gives the text that the program `equip` prints. Notebooks show a table.
     """
 
-    #: What the first line says: "yes, on every step", "NO: " with the reasons, or "not requested" with the
-    #: largest error, as of Gauss's method. `energy_conserved_on_every_step` is the same as a boolean.
+    #: The verdict, the first line: "yes, on every step", "NO: " with the reason, or "not requested" (for
+    #: example Gauss) with the largest error. `energy_conserved_on_every_step` is the verdict as a boolean.
     energy_conserved_to_round_off: str
     method: str
     #: "f64" or "dd".
     precision: str
-    #: The fixed step; of variable steps the mean.
+    #: The fixed step size, or the mean of variable step sizes.
     step: float
     variable_steps: Optional[VariableSteps]
     start: float
     end: float
-    #: H at the start, H - H(start) over the run; None if it was not measured.
+    #: H at the start, and H - H(start) over the run; None if not measured.
     energy: Optional[Conserved]
-    #: Largest error in units of its round-off level, over all steps, if they solve for the energy.
+    #: Largest energy error of all steps in round-off levels, if the method solves for α.
     energy_in_round_off_levels: Optional[float]
     #: None if the energy was not measured.
     energy_round_off: Optional[EnergyRoundOff]
-    #: None if H jumps nowhere on the way.
+    #: None if H does not jump during the run.
     energy_jumps: Optional[EnergyJumps]
-    #: None where the iteration of the steps contracts without the Hessian, as it does for small angles only.
+    #: None if the fixed-point iteration contracts, which it does for small phases only.
     phase_per_step: Optional[PhasePerStep]
-    #: Whether the steps resolve the fastest motion: at most as many radians as there are stages.
+    #: Whether the steps resolve the fastest motion: hω ≤ s.
     motion_is_resolved: bool
     invariants: tuple[Conserved, ...]
-    #: Smallest and largest α_1 ... α_{s-1} used; empty if none was solved for.
+    #: Smallest and largest α_1 ... α_{s-1}; empty if the method does not solve for α.
     alpha_range: tuple[tuple[float, float], ...]
-    #: Largest Lyapunov exponent, per unit of time, and MEGNO, if a deviation was followed.
+    #: Largest Lyapunov exponent, per unit of time, and MEGNO, if a tangent vector was propagated.
     lyapunov: Optional[float]
     megno: Optional[float]
     counts: Counts
-    #: Steps by outcome.
+    #: Number of steps with each outcome.
     outcomes: dict[str, int]
-    #: Whether every step conserved the energy to round-off, and neither the round-off level nor the error at
-    #: the end is large compared with the energies.
+    #: Whether every step conserved the energy to round-off, and both the round-off level and the error at the
+    #: end are small compared with the energies.
     energy_conserved_on_every_step: bool
     seconds: float
     text: str
@@ -165,7 +165,7 @@ class Certificate:
 
     @classmethod
     def _of(cls, found: dict[str, Any]) -> Certificate:
-        """Of what the native part hands over."""
+        """From the data of the native part."""
         names = Counts.__dataclass_fields__
         round_off = found["energy_round_off"]
         return cls(
@@ -200,7 +200,7 @@ class Certificate:
 
     @classmethod
     def _from_dict(cls, stored: Any) -> Certificate:
-        """What `to_dict` has written.
+        """From the dict of `to_dict`.
 
         Raises
         ------
@@ -213,7 +213,7 @@ class Certificate:
 
 
 def _checked(kind: Any, stored: Any, name: str) -> Any:
-    """What was stored as numbers, texts, lists and dicts, as a value of this type; or a ValueError."""
+    """A value of this type from numbers, texts, lists and dicts; or a ValueError."""
     origin, parts = get_origin(kind), get_args(kind)
     if is_dataclass(kind):
         hints = get_type_hints(kind)

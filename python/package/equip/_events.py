@@ -1,4 +1,4 @@
-"""Events: functions whose roots are wanted, and what they do to the state."""
+"""Events: functions whose roots are located, and their changes of the state."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _is_terminal(event: Any, name: str) -> bool:
         return bool(terminal)
     raise ValueError(
         f"{name} has terminal = {terminal!r}; it must be True, which ends the run at the first root, or "
-        "False. Later roots are in Solution.t_events"
+        "False. Solution.t_events has all roots"
     )
 
 
@@ -32,7 +32,7 @@ def _direction(event: Any, name: str) -> int:
 
 
 class Change:
-    """What an event does to the state: called by the native part, in the thread that makes the steps."""
+    """The change of the state by an event. The native part calls it in the thread of the steps."""
 
     def __init__(self, function: Callable[..., Any], shape: Shape, name: str) -> None:
         self._function, self._shape, self.name = function, shape, name

@@ -1,4 +1,4 @@
-"""Functions for use within H that NumPy has not: erf, erfc, and splines through data."""
+"""Functions for use within H that NumPy lacks: erf, erfc, and splines through data."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def _each(function: np.ufunc, x: Any) -> Any:
 
 
 class Table:
-    """A cubic spline through data, of one or two variables: `equip.table` and `equip.table2` make it.
+    """A cubic spline through data, in one or two variables, built by `equip.table` or `equip.table2`.
 
-    Called with q or p within H it is recorded as one operation, whatever the number of points. Called with
-    numbers it has its values. Beyond the first and last knot there is no data: a run whose motion leaves the
-    table ends with an error, unless the table was made with `extrapolate=True`.
+    Within H, a table called with variables is recorded as one operation, for any number of points. Called
+    with numbers, it returns values. If the motion leaves the range of the knots, the run ends with an error,
+    unless the table was built with `extrapolate=True`.
     """
 
     def __init__(self, native: _native.Table, made_of: tuple[Any, ...]) -> None:
@@ -97,7 +97,7 @@ def _orders(ends: Any) -> set[Any]:
 def table(x: Any, y: Any, bc_type: Ends = "not-a-knot", extrapolate: bool = False) -> Table:
     """The cubic spline through the points (x_i, y_i), for use within H: `v = equip.table(x, y)`, `v(q[0])`.
 
-    It is that of `scipy.interpolate.CubicSpline`, computed with 31 digits.
+    It is the spline of `scipy.interpolate.CubicSpline`, computed with 31 digits.
 
     Parameters
     ----------
@@ -106,12 +106,11 @@ def table(x: Any, y: Any, bc_type: Ends = "not-a-knot", extrapolate: bool = Fals
     y
         Values, (n,).
     bc_type
-        At the ends: "not-a-knot" (4 points or more), "natural" (second derivatives are 0), "clamped" (first
-        derivatives are 0), or ((1, a), (1, b)) and ((2, a), (2, b)) with first or second derivatives.
+        End conditions: "not-a-knot" (4 points or more), "natural" (second derivatives are 0), "clamped"
+        (first derivatives are 0), ((1, a), (1, b)) or ((2, a), (2, b)) (given first or second derivatives).
     extrapolate
         Whether the polynomials of the end intervals continue beyond the first and the last knot. Otherwise a
-        run whose motion leaves the table ends with an error that has the time and the place, and calls with
-        numbers beyond raise.
+        run ends with an error if the motion leaves the table, and calls with numbers outside the range raise.
 
     Raises
     ------
@@ -155,7 +154,7 @@ def table2(x: Any, y: Any, z: Any, bc_type: str = "not-a-knot", extrapolate: boo
     z
         Values, (n, k).
     bc_type
-        At the edges: "not-a-knot" (4 knots or more each way), or "natural".
+        Conditions at the edges: "not-a-knot" (4 knots or more in each variable), or "natural".
     extrapolate
         As of `table`.
 

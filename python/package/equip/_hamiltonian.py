@@ -1,4 +1,4 @@
-"""`Hamiltonian`: the energy, recorded from a function of q and p."""
+"""`Hamiltonian`: an energy, recorded from a function of q and p."""
 
 from __future__ import annotations
 
@@ -19,27 +19,26 @@ _NUMBERS = 1 << 18
 
 
 class Hamiltonian:
-    """The scalar energy H(q, p) of a system, and its derivatives.
+    """The energy H(q, p) of a system, and its derivatives.
 
-    `function(q, p)` is called once, here, with arrays of variables, and its formula is recorded: the arrays
-    it captures are read now, and changing them later changes nothing. Its derivatives are exact to
-    rounding, and all evaluations run as machine code, without Python.
+    The constructor calls `function(q, p)` once, with arrays of variables, and records its formula. Captured
+    arrays are read at this time; later changes of them have no effect. Derivatives are exact to rounding. All
+    evaluations run as machine code, without Python.
 
     Parameters
     ----------
     function
         H as a function of positions q and momenta p, two arrays of the given shape. It may use operators,
         NumPy functions, `@`, `np.einsum`, `np.linalg.norm`, loops, and captured numbers and arrays.
-        Constants with more digits than a double has are given as `Fraction`, `Decimal` or text. It must not
-        branch on q and p.
+        Give constants with more than 16 digits as `Fraction`, `Decimal` or text. The function must not branch
+        on q and p.
     shape
-        The shape of q, which is that of p: `2` for a plane, `(6, 3)` for six bodies in space.
+        The shape of q and of p: `2` for a plane, `(6, 3)` for six bodies in space.
 
     Raises
     ------
     TypeError
-        If the function compares variables, converts them to numbers or stores them as such. The traceback
-        ends in the line that does so.
+        If the function compares variables, or converts them to numbers. The traceback ends at that line.
     ValueError
         If a constant is infinite or not a number.
 
@@ -64,17 +63,16 @@ class Hamiltonian:
     def with_time(cls, function: Callable[[Any, Any, Any], Any], shape: Union[int, Shape]) -> Hamiltonian:
         """An energy H(t, q, p) that depends on time.
 
-        Runs of it start, go on and are read like all others. What they keep is H less the energy that has
-        gone in since the start, so that is what `Solution.energy_error` and the certificate are of; at
-        times of `t_eval` it is not known. Quantities to watch and to keep are functions of
-        (t, q, p) as well.
+        Runs conserve the energy balance: H minus the energy that has entered through the explicit dependence
+        on time. `Solution.energy_error` and the certificate have the error of this balance; at times of
+        `t_eval` it is not known. Quantities to monitor or to conserve are functions of (t, q, p) too.
 
         Parameters
         ----------
         function
-            H as a function of the time t, a number, and of q and p; it is called twice, here.
+            H as a function of the time t, a number, and of q and p. The constructor calls it twice.
         shape
-            The shape of q, which is that of p.
+            The shape of q and of p.
 
         Examples
         --------
@@ -98,11 +96,11 @@ class Hamiltonian:
     ) -> Hamiltonian:
         """An energy that other code computes: a C library, an interpolator, a learned energy.
 
-        Its functions are called for numbers in every iteration, with the GIL held: an evaluation costs some
-        microseconds of Python in addition to its own time; a recorded energy costs a tenth of one. A run
-        compares the gradient with differences of the values where it starts, and now and then on its way.
-        The Hessian is made of differences of gradients, kinks are not seen, and a run in double-double knows
-        H to doubles only.
+        Every iteration calls the functions with numbers and holds the GIL. An evaluation costs some
+        microseconds of Python in addition to its own time; a recorded energy costs a tenth of a microsecond.
+        A run compares the gradient with differences of the values at the start and at some later steps. The
+        Hessian is computed from differences of gradients. Discontinuities are not detected. A run in
+        double-double has only 16 digits of H.
 
         Parameters
         ----------
@@ -111,17 +109,17 @@ class Hamiltonian:
         gradient
             ∂H/∂q and ∂H/∂p as a function of q and p: two arrays of the given shape.
         shape
-            The shape of q, which is that of p.
+            The shape of q and of p.
         accuracy
-            The relative rounding error of the values, and of the gradient relative to its largest component,
-            from 2.2e-16, that of one operation in doubles, to 1. If steps by a tolerance become very short,
-            the gradient is less accurate than this.
+            The relative rounding error of the values, and of the gradient relative to its largest component:
+            2.2e-16 (one operation in doubles) to 1. If variable steps become very short, the gradient
+            is less accurate than declared.
 
         Raises
         ------
         ValueError
-            If `accuracy` is no relative error. Runs raise it if the gradient is not that of the values, and
-            hand on what the functions raise.
+            If `accuracy` is out of range. Runs raise it if the gradient disagrees with the values, and raise
+            the exceptions of the functions.
 
         Examples
         --------
@@ -162,22 +160,22 @@ class Hamiltonian:
         return h
 
     def with_bracket(self, bracket: Callable[[Any, Any], dict[tuple[int, int], Any]]) -> Hamiltonian:
-        """The system y' = B(y) ∇H(y) of this energy, y being q.ravel() and then p.ravel(): a rigid body,
-        spins, a charge in (x, v). The two arrays are the halves of y, whatever they mean; an odd number of
-        components gets one more that nothing depends on.
+        """The system y' = B(y) ∇H(y) with this energy: a rigid body, spins, a charge in (x, v). The state
+        y is q.ravel() followed by p.ravel(); q and p are its halves. If y has an odd number of components,
+        add one on which H and B do not depend.
 
         Parameters
         ----------
         bracket
-            The entries of the skew-symmetric matrix B as a function of q and p: a dict {(i, j): B_ij} of one
-            triangle, counted from 0. B_ji = -B_ij follows, and what is not named is 0.
+            The entries of the skew-symmetric matrix B as a function of q and p: a dict {(i, j): B_ij} with
+            one entry for each pair, counted from 0. B_ji = -B_ij is set automatically; other entries are 0.
 
         Raises
         ------
         ValueError
-            If an entry is outside of B, on its diagonal or named twice, or H depends on time.
+            If an entry is outside B, on its diagonal or given twice, or if H depends on time.
         TypeError
-            If the energy is external, or as in the constructor.
+            If the energy is external, and in the cases of the constructor.
 
         Examples
         --------
@@ -196,17 +194,17 @@ class Hamiltonian:
 
     @property
     def is_canonical(self) -> bool:
-        """Whether q' = ∂H/∂p and p' = -∂H/∂q: there is no bracket of its own."""
+        """Whether q' = ∂H/∂p and p' = -∂H/∂q, that is, without a bracket."""
         return self._recorded.is_canonical
 
     @property
     def is_external(self) -> bool:
-        """Whether it was made by `external`."""
+        """Whether this is an energy by `external`."""
         return self._external is not None
 
     @property
     def has_time(self) -> bool:
-        """Whether H depends on time, as by `with_time`."""
+        """Whether H depends on time, by `with_time`."""
         return self._recorded.has_time
 
     @property
@@ -226,13 +224,13 @@ class Hamiltonian:
 
     @property
     def quadratic(self) -> bool:
-        """Whether H has degree at most two: every method then keeps it."""
+        """Whether H has degree at most two; every method conserves such an H."""
         degree = self._recorded.degree
         return degree is not None and degree <= 2
 
     @property
     def operations(self) -> int:
-        """Operations of one evaluation of H, repeated ones counted once."""
+        """Operations of one evaluation of H; equal operations count once."""
         return self._recorded.operations
 
     @property
@@ -246,9 +244,7 @@ class Hamiltonian:
         """`width` values for each state, and the axes before those of one state. States, which are (q, p), or
         (q, t, p, 0), are evaluated some thousand at a time, so that signals are answered in between."""
         if any(_arrays.has_recorded(x) for x in (q, p, t)):
-            raise TypeError(
-                "a Hamiltonian cannot be called within another: call the function that it was made of"
-            )
+            raise TypeError("a Hamiltonian cannot be called within another: call its function")
         if self.has_time == (t is None):
             raise TypeError(
                 "H depends on time: give t after q and p"
@@ -296,8 +292,8 @@ class Hamiltonian:
         return np.r_[0:m, m + 1 : 2 * m + 1] if self.has_time else slice(None)
 
     def __call__(self, q: Any, p: Any, t: Any = None) -> Any:
-        """H, in its own unit: a number, or an array if q and p have axes before those of `shape`, or t has
-        axes. The time t is given where H depends on it."""
+        """H, in its own unit: a number, or an array if q and p have axes before those of `shape`, or if t
+        has axes. Give the time t if H depends on it."""
         values, batch = self._each(self._recorded.values, 1, q, p, t)
         return values[..., 0] if batch else float(values[0])
 
@@ -326,29 +322,29 @@ class Hamiltonian:
         return f"<Hamiltonian of shape {self._shape}{time}, {kind}, {self.operations} operations>"
 
     def to_bytes(self) -> bytes:
-        """The recording, with its constants to all their digits and its tables, as pickling writes it:
-        without the function, also of a lambda.
+        """The recorded formula, with all digits of its constants and with its tables, as in a pickle. The
+        function itself is not stored and may be a lambda.
 
         Raises
         ------
         ValueError
-            If the energy is external: it is pickled by its functions.
+            If the energy is external. A pickle of an external energy contains its functions.
         """
         return self._recorded.to_bytes()
 
     @classmethod
     def from_bytes(cls, recording: bytes, shape: Union[int, Shape]) -> Hamiltonian:
-        """The Hamiltonian of which `to_bytes` made the recording: all bits of its runs are the same.
+        """The Hamiltonian from the bytes of `to_bytes`. Its runs have the same bits.
 
         Raises
         ------
         ValueError
-            If the bytes are damaged, those of another format, or of another number of variables.
+            If the bytes are damaged, or have another format or number of variables.
         """
         return of_recording(_native.Recorded.from_bytes(recording), shape)
 
     def __eq__(self, other: object) -> bool:
-        """Whether both have the same recording and shape."""
+        """Whether both have the same recorded formula and shape."""
         if not isinstance(other, Hamiltonian):
             return NotImplemented
         if self.is_external or other.is_external:
@@ -428,7 +424,7 @@ def record_with_time(function: Function, shape: Shape, name: str) -> _native.Rec
 
 
 def recorded_quantity(function: Any, h: Hamiltonian, name: str) -> _native.Recorded:
-    """A quantity of the states of h: a function of what h is one of, or a Hamiltonian."""
+    """A quantity of the states of h: a function with the arguments of h, or a Hamiltonian."""
     if not isinstance(function, Hamiltonian):
         if not callable(function):
             raise TypeError(f"{name} is {function!r}; it must be a function of q and p")

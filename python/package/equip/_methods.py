@@ -1,4 +1,4 @@
-"""Methods: Gauss, EQUIP, and their relatives among the Runge-Kutta methods."""
+"""Methods: Gauss, EQUIP, and related Runge-Kutta methods."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _options(family: str, stages: int, preconditioner: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Equip:
-    """Gauss methods of order 2s whose parameters α are solved for at every step, so that H is kept.
+    """EQUIP methods of order 2s. Every step solves for the parameters α_k, so that H is conserved.
 
     Parameters
     ----------
@@ -42,8 +42,9 @@ class Equip:
     alphas
         Which α_k are free: "all", or the "last" one only.
     reach
-        By how much α may change the end point of a step: "within error" of the step, "always", or "refuse",
-        which ends the run where "within error" would leave an energy error to a later step.
+        Limit on the change of the end point caused by α. "within error": if the change would be much larger
+        than the local error, the step is left uncorrected. "always": no limit. "refuse": the run ends with an
+        error where "within error" would leave a step uncorrected.
     alpha_bound
         Largest |α|, dimensionless.
     preconditioner
@@ -65,12 +66,12 @@ class Equip:
 
 @dataclass(frozen=True)
 class Gauss:
-    """Gauss-Legendre collocation of order 2s: quadratic invariants are kept, the energy is not.
+    """Gauss-Legendre collocation of order 2s. Quadratic invariants are conserved, the energy is not.
 
     Parameters
     ----------
     stages
-        s, from 1 to 32; with steps by tolerance from 2.
+        s, from 1 to 32; with variable steps, from 2.
     preconditioner
         How the stages are iterated; the solution is the same.
     """
@@ -107,7 +108,7 @@ class FixedAlpha:
 
 @dataclass(frozen=True)
 class Hbvm:
-    """HBVM(k, s) of order 2s: H is conserved as far as k Gauss nodes integrate its gradient along a step.
+    """HBVM(k, s) of order 2s. H is conserved as accurately as k Gauss nodes integrate ∇H along a step.
 
     A polynomial H of degree up to 2k/s is conserved to round-off. Quadratic invariants are not conserved.
 
@@ -133,7 +134,7 @@ class Hbvm:
 
 @dataclass(frozen=True)
 class AveragedVectorField:
-    """The averaged vector field method of order 2: HBVM(k, 1), k as a polynomial H takes it, else 16.
+    """The averaged vector field method of order 2: HBVM(k, 1), exact for a polynomial H, else k = 16.
 
     Parameters
     ----------
@@ -149,7 +150,7 @@ class AveragedVectorField:
 
 @dataclass(frozen=True)
 class Trapezoidal:
-    """The trapezoidal method of order 2 with equidistant nodes, both ends of a step among them.
+    """The trapezoidal method of order 2, with equidistant nodes that include both ends of a step.
 
     Parameters
     ----------
@@ -183,7 +184,7 @@ def method_options(method: Any, by_tolerance: bool) -> dict[str, Any]:
         isinstance(method, (AveragedVectorField, Trapezoidal)) or getattr(method, "degree", 2) == 1
     )
     if by_tolerance and is_of_degree_one:
-        raise ValueError("a method of order 2 has no estimate of its error: give a step")
+        raise ValueError("a method of order 2 has no error estimate: give a step")
     if by_tolerance and found["stages"] == 1:
-        raise ValueError("one stage has no estimate of its error: give a step, or stages=2 or more")
+        raise ValueError("one stage has no error estimate: give a step, or stages=2 or more")
     return found

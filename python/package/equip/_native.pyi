@@ -35,24 +35,24 @@ __all__ = [
 ]
 
 class IntegrationError(RuntimeError):
-    """A step could not be made. The text says what to change."""
+    """A step failed. The message says what to change."""
 
 class FileFormatError(ValueError):
-    """A file is damaged, or not one that this version of equip has written."""
+    """A file is damaged, or was not written by this version of equip."""
 
 class FileInUseError(RuntimeError):
     """Another process is writing the file."""
 
 @final
 class Claim:
-    """A name that this process alone writes until the claim is released."""
+    """A file name that only this process writes until the claim is released."""
 
     def __new__(cls, name: str) -> Claim: ...
     def release(self) -> None: ...
 
 @final
 class Variable:
-    """A component of q or p, or what is computed of them, while H(q, p) is recorded. It has no value."""
+    """A component of q or p, or a result computed from them, while H(q, p) is recorded. It has no value."""
 
     def __add__(self, value: Any, /) -> Any: ...
     def __radd__(self, value: Any, /) -> Any: ...
@@ -203,7 +203,7 @@ class Recorded:
 
 @final
 class Curve:
-    """A run at any time."""
+    """The trajectory of a run as a function of time."""
 
     def __new__(cls, n: int, high: _Floats, low: _Floats) -> Curve: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
@@ -242,13 +242,13 @@ def split(x: Any) -> _Pair:
     """A number as an unevaluated sum of two doubles."""
 
 def decimal_text(high: float, low: float, digits: int) -> str:
-    """The decimal of an unevaluated sum of two doubles, to so many significant digits."""
+    """The decimal of an unevaluated sum of two doubles, with the given number of significant digits."""
 
 def scene_list() -> list[tuple[str, list[tuple[str, str, str]]]]:
     """Name and parameters of every scene."""
 
 def scene(name: str, parameters: list[tuple[str, str]]) -> dict[str, Any]:
-    """What a scene has, as a dict."""
+    """The data of a scene, as a dict."""
 
 def solve(
     system: Recorded,
@@ -258,8 +258,8 @@ def solve(
     progress: Optional[Callable[[float], None]],
     checkpoint: Optional[tuple[str, float]] = None,
 ) -> dict[str, Any]:
-    """Integrates `system`; a dict of arrays, the certificate, and the fault that ended the run, if one
-    did."""
+    """Integrates `system`. Returns a dict of arrays, the certificate, and the error that ended the run, if
+    any."""
 
 def suggest_step(
     system: Recorded,
@@ -268,12 +268,12 @@ def suggest_step(
     options: dict[str, Any],
     target: tuple[str, float],
 ) -> float:
-    """A fixed step that reaches a target."""
+    """A fixed step size that reaches a target."""
 
 def draw_starts(
     q0: list[float], p0: list[float], n: int, seed: int, spread: float
 ) -> tuple[_Floats, _Floats]:
-    """`n` starts around one, flat, one after the other: positions, and momenta."""
+    """`n` random initial conditions near a given one, flat, one after the other: positions, and momenta."""
 
 def ensemble(
     system: Recorded,
@@ -284,8 +284,8 @@ def ensemble(
     threads: int,
     progress: Optional[Callable[[int], None]],
 ) -> dict[str, Any]:
-    """Integrates `system` from each of the starts, which stand one after the other in `q` and `p`."""
+    """Integrates `system` from all initial conditions, stored one after the other in `q` and `p`."""
 
 def between(system: Recorded, t: list[float], y: list[float], points: int) -> _Floats:
-    """From each state in `y` but the last, those at `points` times, evenly from its own up to that of the
-    next one, flat. Where a step cannot be made they are on the straight line."""
+    """States at `points` equidistant times between each state in `y` and the next, flat. If a step fails,
+    these states are on the straight line."""

@@ -1,4 +1,4 @@
-"""Numbers from Python: doubles, and what has more digits, as unevaluated sums of two doubles."""
+"""Numbers from Python: doubles, and numbers with more digits as unevaluated sums of two doubles."""
 
 from __future__ import annotations
 

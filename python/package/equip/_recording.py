@@ -1,4 +1,4 @@
-"""Calls of the functions that are recorded, and what goes wrong in them in words."""
+"""Calls of the functions that are recorded, and messages for their errors."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def check_arguments(function: Callable[..., Any], name: str, arguments: str) -> 
     try:
         signature.bind(*arguments.split(", "))
     except TypeError:
-        raise TypeError(f"{name} must be a function of ({arguments}); it is one of {signature}") from None
+        raise TypeError(f"{name} must be a function of ({arguments}); it takes {signature}") from None
 
 
 def one_number(found: Any, name: str, arguments: str) -> Any:

@@ -1,4 +1,4 @@
-"""`Scene`: a named Hamiltonian with a start."""
+"""`Scene`: a named Hamiltonian with an initial state."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from ._numbers import DoubleDouble, Floats
 
 
 class Scene(Hamiltonian):
-    """A named Hamiltonian with a start. Positions and momenta have the shape (m,).
+    """A named Hamiltonian with an initial state. Positions and momenta have the shape (m,).
 
     Attributes
     ----------
     name, title, formula, source, solution, hard
-        Texts: what it is, where it comes from, which solutions are known, and where it becomes hard.
+        Texts: description, formula, source, known solutions, and difficulties.
     parameters
         The values of the parameters, as text.
     q0, p0
-        The start, (m,).
+        The initial state, (m,) each.
     period
         The natural unit of time.
     step, end
-        A fixed step that resolves the motion with order 8, and an end worth a picture.
+        A fixed step size that resolves the motion with order 8, and a suitable end time.
     invariants
-        What is kept besides H, by name: Hamiltonians, for `invariants` of `equip.solve`.
+        Invariants besides H, by name: Hamiltonians, for `invariants` of `equip.solve`.
     """
 
     def __init__(self, name: str, parameters: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""`Solution`: what a run leaves."""
+"""`Solution`: the result of a run."""
 
 from __future__ import annotations
 
@@ -28,10 +28,9 @@ _ARRAYS = (*_STATES, "energy_error", "outcome")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution:
-    """The states of a run, and what it kept. Times and states are in the units of H.
+    """The states of a run and its certificate. Times and states are in the units of H.
 
-    Pickles and files have all of it, the dense output included. Two solutions are equal if they are the same
-    one.
+    Pickles and files contain everything, including the dense output. A solution is equal only to itself.
 
     Attributes
     ----------
@@ -40,21 +39,21 @@ class Solution:
     y
         States, (n, 2m): the components of q.ravel() and then those of p.ravel().
     energy_error
-        H - H(start), (n,); empty if it was not measured.
+        H - H(start), (n,); empty if not measured.
     outcome
-        How the step before each state ended, (n,); empty with `t_eval`.
+        Outcome of the step that ends at each state, (n,); empty with `t_eval`.
     t_events, y_events
         Times (k,) and states (k, 2m) of the roots of each event, in the order of the events.
     success
         Whether the end, or a terminal event, was reached.
     status
-        0 if the end was reached, 1 if a terminal event ended the run, -1 if a step could not be made.
+        0 if the end was reached, 1 if a terminal event ended the run, -1 if a step failed.
     message
-        In words; if a step could not be made, why, and what to change.
+        The status as text; if a step failed, the reason and what to change.
     certificate
-        What was kept, measured.
+        What was conserved, measured.
     hamiltonian
-        The energy, without the function it was recorded from: a run continues with
+        The energy, without its Python function. To continue a run, call
         `equip.solve(sol.hamiltonian, sol.q[-1], sol.p[-1], (sol.t[-1], end))`, also after `equip.load`.
     """
 
@@ -70,7 +69,7 @@ class Solution:
     message: str
     certificate: Certificate
     hamiltonian: Hamiltonian
-    #: What double-double has below `t` and `y`; zero in a run in doubles.
+    #: The low words of `t` and `y` in double-double; zero in doubles.
     t_low: Floats = field(repr=False)
     y_low: Floats = field(repr=False)
     _curve: Optional[_native.Curve] = field(default=None, repr=False)
@@ -122,12 +121,12 @@ class Solution:
 
     @property
     def q_low(self) -> Floats:
-        """What double-double has below `q`."""
+        """The low words of `q` in double-double; zero in doubles."""
         return self._part(self.y_low, 0)
 
     @property
     def p_low(self) -> Floats:
-        """What double-double has below `p`."""
+        """The low words of `p` in double-double; zero in doubles."""
         return self._part(self.y_low, 1)
 
     @property
@@ -141,15 +140,15 @@ class Solution:
         return tuple(self._part(y, 1) for y in self.y_events)
 
     def q_text(self, digits: int = 31) -> np.ndarray[Any, Any]:
-        """Positions as decimals with so many significant digits, (n, *shape)."""
+        """Positions as decimals with the given number of significant digits, (n, *shape)."""
         return _text(self.q, self.q_low, digits)
 
     def p_text(self, digits: int = 31) -> np.ndarray[Any, Any]:
-        """Momenta as decimals with so many significant digits, (n, *shape)."""
+        """Momenta as decimals with the given number of significant digits, (n, *shape)."""
         return _text(self.p, self.p_low, digits)
 
     def sol(self, t: Any) -> tuple[Floats, Floats]:
-        """(q, p) at any time of the run, each of the shape of `t` and then `shape`. Asks for
+        """(q, p) at any times t of the run, each with the axes of `t` followed by those of `shape`. Needs
         `dense_output=True`.
 
         Raises
@@ -187,12 +186,12 @@ class Solution:
         return times, np.concatenate([found, self.y[-1]]).reshape(len(times), -1)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws the motion: p against q with one degree of freedom, paths in the plane of the first two
-        coordinates where the last axis of q has two or more, else every q against time. Returns the axes of
-        matplotlib.
+        """Draws the motion and returns the axes of matplotlib: p against q with one degree of freedom;
+        paths in the plane of the first two coordinates if the last axis of q has two or more; otherwise
+        every component of q against time.
 
-        Between the states of the run the curves are those of the dense output, or of steps that are made
-        again from each state. From some thousand states on straight lines are drawn."""
+        Between the states of the run, the curves are those of the dense output, or of steps repeated from
+        each state. With more than some thousand states, the curves are straight lines."""
         ax = _axes(ax)
         t, y = self._path()
         q, p = self._part(y, 0), self._part(y, 1)
@@ -215,7 +214,7 @@ class Solution:
         Raises
         ------
         ValueError
-            If it was not measured.
+            If the energy was not measured.
         """
         if len(self.energy_error) != len(self.t):
             raise ValueError(
@@ -229,17 +228,17 @@ class Solution:
         return ax
 
     def section(self, x: int, y: int, *, event: int = 0, ax: Any = None) -> Any:
-        """Draws a Poincaré section: component y against component x of the states at the roots of an event,
-        a point each. Returns the axes of matplotlib.
+        """Draws a Poincaré section: component y against component x at the roots of an event, one point for
+        each root. Returns the axes of matplotlib.
 
         Parameters
         ----------
         x, y
-            Numbers of components of (q, p), flat: 0 to m - 1 are those of q, m to 2m - 1 those of p.
+            Components of (q, p), flat: 0 to m - 1 belong to q, m to 2m - 1 to p.
         event
             Number of the event in the order in which `events` were given.
         ax
-            Axes to draw into, for instance those of another solution; new ones if not given.
+            Axes to draw into, for instance those of another solution; the default is new axes.
         """
         n = self.y.shape[1]
         if not 0 <= event < len(self.y_events):
@@ -257,7 +256,7 @@ class Solution:
         return ax
 
     def to_dataframe(self) -> Any:
-        """A pandas DataFrame with the columns t, q[...], p[...] and energy_error, a row for each state."""
+        """A pandas DataFrame with the columns t, q[...], p[...] and energy_error; a row for each state."""
         import pandas
 
         names = [",".join(map(str, index)) for index in np.ndindex(*self.shape)]
@@ -282,9 +281,9 @@ class Solution:
         return xarray.Dataset(variables, coords={"t": self.t}, attrs=attributes)
 
     def save(self, path: Path) -> None:
-        """Writes all of it, with the recording of H, to a NumPy archive, or to HDF5 where the path ends in
-        `.h5` or `.hdf5` (asks for the package h5py). `equip.load` reads it. An earlier file is there until
-        the new one is complete."""
+        """Writes the solution, with the recorded formula of H, to a NumPy archive, or to HDF5 if the path
+        ends in `.h5` or `.hdf5` (needs the package h5py). `equip.load` reads the file. An earlier file stays
+        until the new one is complete."""
         arrays: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
         arrays |= {f"t_event_{i}": t for i, t in enumerate(self.t_events)}
         arrays |= {f"y_event_{i}": y for i, y in enumerate(self.y_events)}

@@ -172,7 +172,7 @@ def solve(
 ) -> Solution:
     """Integrates q' = ∂H/∂p, p' = -∂H/∂q over an interval of time. All numbers are in the units of H.
 
-    Other threads of Python run meanwhile, and Ctrl-C ends the run within a tenth of a second or a step.
+    Other Python threads continue to run. Ctrl-C ends the run within a tenth of a second or one step.
 
     Parameters
     ----------
@@ -182,67 +182,68 @@ def solve(
         Positions and momenta at the start, each of the shape `h.shape`. In double-double also text,
         `Decimal`, `Fraction`, `np.longdouble` or `equip.DoubleDouble`.
     span
-        Start and end of the interval; a run whose end lies before its start goes back in time.
+        Start and end of the interval; the run goes backward in time if the end lies before the start.
     method
         `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
     step, tolerance
-        A fixed step, or an error per step relative to the motion within it: one of
-        them. Without both, the tolerance is 1e-12, in double-double 1e-24.
+        Either a fixed step size, or a tolerance: the error of a step relative to the change of the state over
+        the step. The default is the tolerance 1e-12, in double-double 1e-24.
     t_eval
-        Times within the span, (k,), at which states are wanted; `t` is then these. They ascend, or descend
-        in a run that goes back in time. The steps do not change.
+        Times within the span, (k,), sorted in the direction of the run, at which states are stored; `t` then
+        has these times. The steps do not change.
     dense_output
-        Whether `Solution.sol` is to have the state at any time.
+        Whether `Solution.sol` gives the state at any time.
     events
-        Smooth functions g(t, q, p) whose roots are wanted: each is recorded like H, so the same rules hold.
-        Attributes as of `scipy.integrate.solve_ivp`: `terminal = True` ends the run at the first root (a
-        number of roots is refused), `direction` of 1 or -1 takes rising or falling roots only. An attribute
-        `then`, a function of (t, q, p) that returns (q, p), changes the state at every root, as a bounce or a
-        kick does, and the run continues: H is conserved from there at the value it has after the change.
-        `then` is called with numbers, in another thread. `Solution.y_events` has the states before. Events at
-        the same time all change the state, in their order here. A root at the start is not reported.
+        Smooth functions g(t, q, p) whose roots are located. Each is recorded like H, by the same rules.
+        Attributes as in `scipy.integrate.solve_ivp`: `terminal = True` ends the run at the first root (a
+        number of roots is not accepted); `direction` 1 or -1 selects rising or falling roots. An attribute
+        `then`, a function of (t, q, p) that returns (q, p), changes the state at every root, as in a bounce
+        or a kick. The run then continues and conserves the value of H after the change. `then` is called with
+        numbers, in another thread. `Solution.y_events` has the states before the changes. Simultaneous events
+        all change the state, in the order of this list. A root at the start is not reported.
     invariants
-        Further quantities f(q, p) by name, whose errors the certificate shows; of (t, q, p) where H is.
+        Quantities f(q, p) to monitor, by name; f(t, q, p) if H depends on time. The certificate has their
+        errors.
     preserve
-        Further quantities f(q, p) by name that are kept like the energy; for those that are not quadratic.
-        `Solution.message` names those that were not kept.
+        Further quantities f(q, p) by name, conserved like the energy; for quantities that are not quadratic.
+        `Solution.message` names those that were not conserved.
     record
-        k: every k-th step is in the solution; "ends": first and last state only.
+        k: the solution has every k-th step; "ends": only the first and the last state.
     measure_energy
-        Whether methods that do not solve for the energy evaluate it.
+        Whether methods without free α evaluate the energy.
     chaos
         Whether the certificate has the largest Lyapunov exponent and MEGNO.
     first_step, min_step, max_step, max_steps
-        Of steps by tolerance: sizes, and their number.
+        Of variable steps: step sizes, and the largest number of steps.
     rtol, atol
-        Of steps by tolerance: errors of a step relative to its motion, in place of `tolerance`, and errors
-        that are allowed in addition. A number, or a pair for positions and momenta of numbers or arrays of
-        their shape.
+        Of variable steps: `rtol` replaces `tolerance`, component by component; `atol` is an absolute error
+        that is always allowed. A number, or a pair for positions and momenta of numbers or arrays of their
+        shape.
     precision
         "f64", or "dd" for double-double, 31 digits.
     checkpoint
-        A file for what a run needs to go on: written now and then, at the end of the interval, and when
-        Ctrl-C or SIGTERM ends the run, after the step under way (a second Ctrl-C does not wait for it). If it
-        is there already, the run resumes from it bit for bit, with the same start and options, to the end of
-        this interval: the solution begins there, the certificate is that of the whole. One process at a time
-        may have it.
+        A file with the state of the run, written from time to time, at the end of the interval, and when
+        Ctrl-C or SIGTERM ends the run, after the current step (a second Ctrl-C does not wait). If the file
+        exists, the run resumes from it, with the same initial state and options, to the end of this interval,
+        and has the same bits as an uninterrupted run. The solution begins at the checkpoint; the certificate
+        covers the entire run. Only one process at a time may use the file.
     checkpoint_every
-        Seconds between two checkpoints.
+        Seconds between checkpoints.
     progress
-        Whether to show a bar; asks for the package tqdm.
+        Whether to show a progress bar; needs the package tqdm.
 
     Returns
     -------
     Solution
-        If a step cannot be made, `success` is False, `message` says what to change, and the states are
-        those before.
+        If a step fails, `success` is False, `message` says what to change, and the solution has the states
+        before that step.
 
     Raises
     ------
     ValueError
-        For input that cannot be used.
+        For invalid input.
     FileFormatError
-        A ValueError: for a checkpoint that is damaged, or no checkpoint.
+        A ValueError: for a damaged checkpoint, or another file.
     FileInUseError
         For a checkpoint that another process is writing.
     TypeError
@@ -279,7 +280,7 @@ def solve(
     changes = changes_of(given["events"])
     if changes and checkpoint is not None:
         raise ValueError(
-            "events that change the state are not available with checkpoint: leave it out, or end the run by "
+            "events that change the state are not available with checkpoint: omit it, or end the run by "
             "a terminal event and start again"
         )
     start, end = interval_of(span)

@@ -21,7 +21,7 @@ from ._solve import interval_of, options
 class Occurrence:
     """A root of an event function."""
 
-    #: Place of the function in the list of events.
+    #: Index of the function in the list of events.
     event: int
     t: float
     #: Positions and momenta there, each of the shape of the Hamiltonian; before `event.then` changes them.
@@ -33,27 +33,27 @@ class Occurrence:
 class Step:
     """An accepted step, at its end, in the units of H."""
 
-    #: Number of the step, from 1; 0 is the start.
+    #: Number of the step, from 1; 0 is the initial state.
     index: int
     t: float
-    #: Its size.
+    #: Step size.
     step: float
     #: Positions and momenta, each of the shape of the Hamiltonian.
     q: Floats
     p: Floats
-    #: H - H(start); None if it was not measured.
+    #: H - H(start); None if not measured.
     energy_error: Optional[float]
     #: α_1 ... α_{s-1}.
     alphas: Floats
     outcome: str
-    #: The events of the step, or of all steps of `Steps.advance_to`, in the order in which they were passed.
+    #: The events of the step, or of all steps of `Steps.advance_to`, in the order of the run.
     events: tuple[Occurrence, ...] = ()
 
 
 class Steps:
-    """An endless iterator of steps; `equip.steps` makes it.
+    """An endless iterator of steps, built by `equip.steps`.
 
-    `next` raises `equip.IntegrationError` if the step cannot be made; the state then is that before the step.
+    `next` raises `equip.IntegrationError` if the step fails; the state is then the state before the step.
     """
 
     def __init__(self, native: _native.Steps, shape: Shape, changes: Sequence[Change] = ()) -> None:
@@ -69,22 +69,22 @@ class Steps:
         return self._made()
 
     def advance_to(self, t: float) -> Step:
-        """Makes the steps to the time t exactly, forward or back, in the unit of time; returns the last one.
-        Deviations are propagated over all of them. Ctrl-C ends it after the
-        step under way, and the run may continue from there.
+        """Makes the steps to exactly the time t, forward or backward, and returns the last step. The tangent
+        vectors are propagated over all steps. Ctrl-C ends the call after the current step; the run can
+        continue from there.
 
         Raises
         ------
         ValueError
             If t is not finite.
         equip.IntegrationError
-            If a step cannot be made; the state then is that before the step.
+            If a step fails; the state is then the state before the step.
         """
         self._native.advance_to(number(t, "t"))
         return self._made()
 
     def _made(self) -> Step:
-        """The step made last, unless a function of the user has raised an exception."""
+        """The last step, unless a function of the user has raised an exception."""
         raise_of(self._changes)
         return self.last
 
@@ -104,12 +104,12 @@ class Steps:
         return self.last.p
 
     def turn_back(self) -> None:
-        """Turns the run round in time: the steps from here on go the other way."""
+        """Reverses the direction of time of all further steps."""
         self._native.turn_back()
 
     @property
     def last(self) -> Step:
-        """The step made last, or the start."""
+        """The last step, or the initial state."""
         index, t, size, y, defect, alphas, outcome, found = self._native.made()
         q, p = y.reshape(2, *self._shape)
         events = tuple(Occurrence(event, at, *state.reshape(2, *self._shape)) for event, at, state in found)
@@ -117,13 +117,13 @@ class Steps:
 
     @property
     def certificate(self) -> Certificate:
-        """What was kept so far, measured."""
+        """The certificate of the run so far."""
         return Certificate._of(self._native.certificate())
 
     @property
     def deviations(self) -> Floats:
-        """The propagated deviations, (k, 2m): each is (δq, δp), flat. They may be set, for instance to
-        normalise."""
+        """The propagated tangent vectors (δq, δp), flat, (k, 2m). You may set them, for instance to normalise
+        them."""
         return self._native.deviations().reshape(-1, 2 * int(np.prod(self._shape)))
 
     @deviations.setter
@@ -134,22 +134,22 @@ class Steps:
         self._native.set_deviations(given.ravel().tolist())
 
     def restart(self, q0: Any, p0: Any, t0: float = 0.0) -> None:
-        """Begins a new run with what this one has made ready: all its bits are those of a new one.
-        Deviations stay.
+        """Begins a new run and reuses the preparations of this one. The new run has the same bits as a run
+        from `equip.steps`. Tangent vectors stay.
 
         Parameters
         ----------
         q0, p0
             Positions and momenta at the start, each of the shape of the Hamiltonian.
         t0
-            Time of the start.
+            Initial time.
         """
         q, p = state(q0, self._shape, "q0")[0], state(p0, self._shape, "p0")[0]
         self._native.restart(q, p, number(t0, "t0"))
 
     def set_state(self, q: Any, p: Any) -> None:
-        """Puts the run at (q, p), at the time it has reached, as after a kick: H is kept at its value there
-        from now on.
+        """Changes the state to (q, p) at the time reached, as in a kick. From then on the run conserves the
+        value of H at this state.
 
         Parameters
         ----------
@@ -199,30 +199,30 @@ def steps(
     q0, p0
         Positions and momenta at the start, each of the shape `h.shape`.
     t0
-        Time of the start.
+        Initial time.
     method
         `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
     step, tolerance
-        A fixed step, negative to go back in time, or an error per step relative to the
-        motion within it: one of them. Without both, the tolerance is 1e-12.
+        Either a fixed step size (negative for a run backward in time), or a tolerance: the error of a step
+        relative to the change of the state over the step. The default is the tolerance 1e-12.
     invariants, preserve
-        Further quantities f(q, p) by name that the certificate shows, and that are kept like the energy; of
-        (t, q, p) where H is.
+        Quantities f(q, p) by name, to monitor in the certificate, and to conserve like the energy;
+        f(t, q, p) if H depends on time.
     measure_energy
-        Whether methods that do not solve for the energy evaluate it.
+        Whether methods without free α evaluate the energy.
     first_step, min_step, max_step
-        Of steps by tolerance: sizes, in the unit of time.
+        Of variable steps: step sizes, in the unit of time.
     rtol, atol
-        Of steps by tolerance: errors of a step relative to its motion, in place of `tolerance`, and errors
-        that are allowed in addition. A number, or a pair for positions and momenta of numbers or arrays of
-        their shape.
+        Of variable steps: `rtol` replaces `tolerance`, component by component; `atol` is an absolute error
+        that is always allowed. A number, or a pair for positions and momenta of numbers or arrays of their
+        shape.
     deviations
-        Small deviations (δq, δp), flat, (k, 2m) or (2m,), propagated by the tangent map of the steps;
+        Tangent vectors (δq, δp), flat, (k, 2m) or (2m,), propagated by the tangent map of the steps;
         `Steps.deviations` has them.
     events
-        Functions g(t, q, p) whose sign changes are found, within the steps as well, as in `equip.solve`:
-        `Step.events` has them. One with an attribute `then`, a function of (t, q, p) that returns (q, p),
-        changes the state there: the step ends at the event, and the run continues from the changed state.
+        Functions g(t, q, p) whose roots are located, as in `equip.solve`, also between the ends of steps;
+        `Step.events` has the roots. An attribute `then`, a function of (t, q, p) that returns (q, p), changes
+        the state: the step ends at the event, and the run continues from the changed state.
 
     Raises
     ------
@@ -261,11 +261,9 @@ def steps(
     given["events"] = events_of(events, h.shape)
     changes = changes_of(given["events"])
     if any(terminal for _, _, _, terminal, _ in given["events"]):
-        raise ValueError("events of equip.steps do not end a run: leave out terminal, and leave the loop")
+        raise ValueError("events of equip.steps do not end a run: omit terminal, and break out of the loop")
     if changes and propagated.size:
-        raise ValueError(
-            "events that change the state are not available with deviations: leave out one of them"
-        )
+        raise ValueError("events that change the state are not available with deviations: omit one of them")
     (q, _), (p, _) = state(q0, h.shape, "q0"), state(p0, h.shape, "p0")
     native = _native.Steps(h._recorded, q, p, number(t0, "t0"), given, propagated.ravel().tolist())
     return Steps(native, h.shape, changes)
@@ -281,7 +279,7 @@ def suggest_step(
     by: Literal["trajectory", "energy", "phase"] = "trajectory",
     method: Method = Equip(stages=8),
 ) -> float:
-    """A fixed step that reaches `target` over the span, which it divides.
+    """A fixed step size that reaches `target` over the span; the span is a multiple of it.
 
     Parameters
     ----------
@@ -292,21 +290,22 @@ def suggest_step(
     span
         Start and end of the interval, in the unit of time; they differ.
     method
-        The method whose step is wanted, with the number of stages.
+        The method, with the number of stages.
     target, by
-        With "trajectory" the largest error of a position or momentum, in their units; with "energy" the
-        largest |H - H(start)| of the Gauss method with as many stages; with "phase" the angle by which the
-        fastest motion at the start turns in a step (6.3 is a whole turn).
+        "trajectory": the largest error of a component of q and p, in their units. "energy": the largest
+        |H - H(start)| of the Gauss method with the same number of stages. "phase": the phase hω of the
+        fastest motion at the initial state, in radians.
 
     Returns
     -------
     float
-        The step, in the unit of time: positive, also where the span goes back.
+        The step size, in the unit of time; positive also if the span goes backward.
 
     Raises
     ------
     equip.IntegrationError
-        If rounding leaves more of an error than the target, or no trial of reasonable length reaches it.
+        If rounding limits the error to more than the target, or if no trial of reasonable length reaches
+        the target.
     ValueError
         For input that cannot be used.
     """

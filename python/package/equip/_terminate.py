@@ -1,4 +1,4 @@
-"""SIGTERM, by which schedulers end a job, during a run with a checkpoint."""
+"""SIGTERM, the signal of job schedulers, during a run with a checkpoint."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Named Hamiltonians, each with a start, a time scale, a source and what it keeps.
+"""Scenes: named Hamiltonians, each with an initial state, a time scale, a source and its invariants.
 
-Parameters are numbers, or text, `Decimal` or `Fraction`, which double-double reads to all its digits; a
-float is read as the decimal that Python prints for it. All are dimensionless unless their meaning names a
-unit.
+Parameters are numbers, text, `Decimal` or `Fraction`. Double-double uses all digits of the latter three. A
+float is read as the decimal that Python prints for it. Parameters are dimensionless unless the text names
+a unit.
 """
 
 from __future__ import annotations

@@ -69,8 +69,7 @@ const NUMBER: &str = concat!(
 );
 const MODULUS: &str =
     "pow(x, n, modulus) of a variable of H cannot be recorded: write x**n % modulus";
-const BY_ZERO: &str =
-    "a variable of H is divided by the constant 0; check the parameters captured by it";
+const BY_ZERO: &str = "a variable of H is divided by the constant 0; check the captured parameters";
 const HASHED: &str = "a variable of H has no value, so that it cannot be a key of a dict or a member of a set. \
     Use lists, and the positions in them";
 const FOREIGN: &str = "this variable belongs to another call of an H, or to another thread: make all of H from \

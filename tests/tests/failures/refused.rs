@@ -52,7 +52,7 @@ fn steps_that_are_none<T: Float>() {
         );
         says(
             &text,
-            &["must be finite and not zero", "a negative one goes back"],
+            &["must be finite and not zero", "a negative step goes back"],
         );
         let (h, start) = kepler::<T>(6);
         let error = Equip::stages(3)
@@ -84,7 +84,7 @@ fn a_step_that_time_cannot_resolve() {
     assert_eq!(failure.error, expected);
     says(
         &failure.to_string(),
-        &["take a larger step or let time start at 0"],
+        &["use a larger step, or begin at time 0"],
     );
     let refused = options.start(&h, &start.q, &start.p, late).unwrap_err();
     assert_eq!(
@@ -105,7 +105,7 @@ fn more_steps_than_can_be_counted() {
             steps: f64::INFINITY
         }
     );
-    says(&text, &["take a larger step or a shorter interval"]);
+    says(&text, &["use a larger step or a shorter interval"]);
     let (error, _) = kepler_failure_until(&Equip::stages(3).step(1e-8), 1e9);
     assert!(
         matches!(error, IntegrateError::TooManySteps { steps } if (steps / 1e17 - 1.0).abs() < 1e-9)
@@ -226,7 +226,10 @@ fn an_energy_that_is_not_finite_at_the_start() {
             energy: f64::NEG_INFINITY
         }
     );
-    says(&error.to_string(), &["start elsewhere or check H"]);
+    says(
+        &error.to_string(),
+        &["change the initial state, or check H"],
+    );
     // H is finite there and its gradient is not.
     let root = Hamiltonian::new(1, |q, p| p[0] * p[0] + q[0].sqrt()).unwrap();
     let error = Gauss::stages(2)
@@ -296,7 +299,13 @@ fn output_times_outside_the_interval_or_in_disorder() {
             matches!(error, IntegrateError::OutputTime { index, .. } if index == bad),
             "{error:?}"
         );
-        says(&text, &["must lie in 0 to 1", "not before the one ahead"]);
+        says(
+            &text,
+            &[
+                "must lie between 0 and 1",
+                "sorted in the direction of the run",
+            ],
+        );
     }
 }
 
@@ -320,7 +329,7 @@ fn more_to_keep_than_alphas_to_keep_it_with() {
             matches!(error, IntegrateError::TooFewAlphas { alphas: found, .. } if found == alphas),
             "{error:?}"
         );
-        says(&error.to_string(), &["take at least", "or conserve fewer"]);
+        says(&error.to_string(), &["use at least", "or conserve fewer"]);
     }
     assert!(
         options(Equip::stages(3))

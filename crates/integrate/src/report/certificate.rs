@@ -119,15 +119,18 @@ impl<T: Float> Certificate<T> {
             }
         }
         if self.switches_crossed > 0 {
-            line("switches crossed", self.switches_crossed.to_string());
+            line(
+                "discontinuities",
+                format!("{} crossed", self.switches_crossed),
+            );
         }
         if let Some(EnergyJumps { count, largest }) = self.energy_jumps {
             line(
                 "H jumps",
-                format!("at {count} of them, by up to {largest:.2e}: no force comes of it"),
+                format!("at {count} of them, by up to {largest:.2e}: a jump exerts no force"),
             );
-            let helps = "formulas that are equal where one gives way to another";
-            line("  what helps", helps.to_owned());
+            let remedy = "a continuous H";
+            line("  remedy", remedy.to_owned());
         }
         if let Some(energy) = &self.energy {
             let start = energy.start;
@@ -161,8 +164,8 @@ impl<T: Float> Certificate<T> {
                     "up to {round_off:.2e}; |H| and the kinetic energy are at most {scale:.2e}"
                 ),
             );
-            let helps = "H without cancellation, smaller angles, an earlier end, double-double";
-            line("  what helps", helps.to_owned());
+            let remedy = "H without cancellation, smaller angles, an earlier end, double-double";
+            line("  remedy", remedy.to_owned());
         }
         if let Some(phase) = self.phase_per_step
             && !self.motion_is_resolved()
@@ -171,12 +174,12 @@ impl<T: Float> Certificate<T> {
             let (angle, step, most) = (phase.angle, phase.step, stages as f64);
             line(
                 "  not resolved",
-                format!("h ω = {angle:.3} in a step of {step:.2e}, above {most}: its phase drifts"),
+                format!("h ω = {angle:.3} in a step of {step:.2e}, above {most}: wrong phase"),
             );
             let step = phase.resolving_step(stages);
             line(
-                "  what helps",
-                format!("steps of {step:.1e}, more stages, or an H that averages that motion"),
+                "  remedy",
+                format!("steps of {step:.1e}, more stages, or an averaged H"),
             );
         }
         for conserved in &self.invariants {
@@ -217,7 +220,7 @@ impl<T: Float> Certificate<T> {
             line(
                 "preconditioned",
                 format!(
-                    "{} iterations, {full} full and {frozen} small factorisations",
+                    "{} iterations; factorisations: {full} of full, {frozen} of simplified Newton",
                     counts.newton_iterations
                 ),
             );

@@ -136,7 +136,7 @@ fn act<T: Float>(
             event,
             time,
             cause: format!(
-                "its roots accumulate, the last change was {interval:e} before; end the run before that time, or at a root (`terminal`)"
+                "its roots accumulate (the last change was {interval:e} earlier); end the run before that time, or at a root (`terminal`)"
             ),
         }),
         None => Ok(ControlFlow::Continue(())),

@@ -121,7 +121,7 @@ impl Method {
             } else {
                 Err(refused(
                     phase,
-                    "left out where H's second derivatives at the start vanish; give a target error",
+                    "omitted if the second derivatives of H vanish at the initial state; give a target error",
                 ))
             };
         }

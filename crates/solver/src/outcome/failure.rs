@@ -5,13 +5,13 @@
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Failure<T> {
     /// H or its derivatives are infinite or NaN inside the step.
-    #[error("H or its derivatives are not finite inside the step; take a smaller one")]
+    #[error("H or its derivatives are not finite inside the step; use a smaller step")]
     NotFinite,
     /// The Newton matrix is singular.
-    #[error("the Newton matrix is singular; take a slightly different step")]
+    #[error("the Newton matrix is singular; use a slightly different step")]
     Singular,
     /// The stage equations were not solved.
-    #[error("the stage equations did not converge; take a smaller step")]
+    #[error("the iteration for the stages did not converge; use a smaller step")]
     NoConvergence {
         /// The iterations of the last attempt.
         iterations: u32,
@@ -19,10 +19,10 @@ pub enum Failure<T> {
         correction: T,
     },
     /// No admissible α satisfies the constraints.
-    #[error("no admissible α was found; take a smaller step or more stages")]
+    #[error("no admissible α was found; use a smaller step or more stages")]
     NoAlpha,
     /// The solution of the stage equations does not follow the motion.
-    #[error("the solution found does not follow the motion; take a smaller step")]
+    #[error("the solution of the stage equations does not follow the motion; use a smaller step")]
     Astray {
         /// The change of H over the step.
         change: T,

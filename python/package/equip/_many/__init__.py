@@ -1,4 +1,4 @@
-"""Many runs of one system."""
+"""Ensembles: many runs of one system."""
 
 from .rows import Ensemble
 from .run import ensemble

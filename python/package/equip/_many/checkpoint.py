@@ -50,8 +50,8 @@ class Checkpoint:
         found = read_rows(self._path)
         if found.digest != self._of:
             raise ValueError(
-                f"{self._path} has runs of another H, of other starts, another span or other options; give "
-                "another checkpoint, or remove the file"
+                f"{self._path} has runs with another H, other initial conditions, another span or other "
+                "options; give another checkpoint, or remove the file"
             )
         return found
 
@@ -90,13 +90,13 @@ def check_resume(before: Any, digest: str, shape: tuple[int, ...], end: float) -
         raise TypeError(f"resume is {type(before).__name__}; it must be an Ensemble")
     if before.q.shape != shape:
         raise ValueError(
-            f"resume has {len(before.q)} starts, but q0 has {shape[0]}; give those it was made of"
+            f"resume has {len(before.q)} initial conditions, but q0 has {shape[0]}; give the same number"
         )
     made = before.t[np.isfinite(before.t)]
     if before.digest not in ("", digest) or (not before.digest and (made != end).any()):
         raise ValueError(
-            "resume has runs of another H, of other starts, another span or other options; give those it was "
-            "made with"
+            "resume has runs with another H, other initial conditions, another span or other options; give "
+            "those of the ensemble"
         )
 
 

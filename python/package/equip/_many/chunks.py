@@ -170,12 +170,12 @@ def made_elsewhere(
                 if _cannot_be_sent(error):
                     raise TypeError(
                         f"output, or what it returns, cannot be sent to the workers of the executor "
-                        f"({error}): make it a function of a module that returns numbers and arrays"
+                        f"({error}): use a function of a module that returns numbers and arrays"
                     ) from error
                 raised = None
                 message = (
-                    f"the worker of this run ended early ({type(error).__name__}: {error}); call ensemble "
-                    "again with resume= to make it"
+                    f"the worker of this run died ({type(error).__name__}: {error}); call ensemble "
+                    "again with resume= to repeat the run"
                 )
                 nothing = () if task.output is None else (None,) * len(numbers)
                 made = replace(missing(len(numbers), task.h.shape, message), outputs=nothing)

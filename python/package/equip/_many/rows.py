@@ -1,4 +1,4 @@
-"""`Ensemble`: the ends of many runs, as rows of arrays, and their files."""
+"""`Ensemble`: the end states of many runs, as rows of arrays, and their files."""
 
 from __future__ import annotations
 
@@ -19,42 +19,40 @@ FORMAT = "equip ensemble 1"
 #: Names of arrays with a row for each run.
 ARRAYS = ("t", "q", "p", "energy_error", "energy_conserved", "steps", "lyapunov", "megno")
 #: Of a run that a file has not.
-NOT_FINISHED = (
-    "this run is not finished; call ensemble again with the same checkpoint, or with resume= to make it"
-)
+NOT_FINISHED = "this run is not finished; call ensemble again with the same checkpoint, or with resume="
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ensemble:
-    """The ends of many runs, a row for each start, in their order. Rows of runs that failed are NaN."""
+    """The end states of many runs: a row for each initial condition, in order; NaN for failed runs."""
 
     #: Times reached, (N,).
     t: Floats
-    #: Positions and momenta at the ends, (N, *shape).
+    #: Positions and momenta at the end, (N, *shape).
     q: Floats
     p: Floats
     #: Largest |H - H(start)| of each run, (N,).
     energy_error: Floats
-    #: Whether every step of the run kept the energy to round-off, (N,).
+    #: Whether every step of the run conserved the energy to round-off, (N,).
     energy_conserved: NDArray[np.bool_]
-    #: Steps of each run, (N,).
+    #: Number of steps of each run, (N,).
     steps: NDArray[np.int64]
     #: Largest Lyapunov exponent, per unit of time, and MEGNO, (N,) each; NaN without `chaos=True`.
     lyapunov: Floats
     megno: Floats
-    #: What went wrong, and what to change, by the number of the run.
+    #: Error messages, by the number of the run.
     errors: dict[int, str]
-    #: Numbers of the runs that an executor lost, (k,): `ensemble(..., resume=this)` makes them.
+    #: Numbers of the runs whose workers died, (k,): `ensemble(..., resume=this)` repeats them.
     lost: NDArray[np.int64]
-    #: What `output` made of each run, by its number; None where it failed. Empty without `output`.
+    #: The value of `output` for each run; None for failed runs. Empty without `output`.
     outputs: tuple[Any, ...] = ()
-    #: Of H, starts, span and options, which `resume` compares; empty if they are not known.
+    #: Digest of H, initial conditions, span and options, compared by `resume`; empty if not known.
     digest: str = ""
 
     @property
     def outcome(self) -> NDArray[np.str_]:
-        """How each run ended, (N,): "kept" with the energy kept on every step, "finished" without, "failed",
-        or "lost" with its worker."""
+        """The outcome of each run, (N,): "kept" if the energy was conserved on every step, else "finished";
+        "failed"; or "lost" if its worker died."""
         ends = np.where(self.energy_conserved, "kept", np.where(np.isnan(self.t), "failed", "finished"))
         ends[self.lost] = "lost"
         return ends
@@ -85,18 +83,18 @@ class Ensemble:
         return table_of(self._lines())
 
     def save(self, path: Path) -> None:
-        """Writes all rows, with what went wrong, to a NumPy archive, or to HDF5 where the path ends in
-        `.h5` or `.hdf5` (asks for the package h5py). `Ensemble.load` reads it. An earlier file is there until
-        the new one is complete.
+        """Writes all rows and error messages to a NumPy archive, or to HDF5 if the path ends in `.h5` or
+        `.hdf5` (needs the package h5py). `Ensemble.load` reads the file. An earlier file stays until the new
+        one is complete.
 
         Raises
         ------
         ValueError
-            If it has `outputs`, which may be of any kind.
+            If it has `outputs`, which may have any type.
         """
         if self.outputs:
             raise ValueError(
-                "outputs of a function are not written: write those yourself, and the rest by "
+                "outputs cannot be saved: write them yourself, and save the rest by "
                 "dataclasses.replace(ends, outputs=()).save(path)"
             )
         arrays = {name: getattr(self, name) for name in ARRAYS}
@@ -106,13 +104,13 @@ class Ensemble:
 
     @staticmethod
     def load(path: Path) -> Ensemble:
-        """What `save` wrote to `path`, or `equip.ensemble(..., checkpoint=path)`: runs that were not finished
-        are `lost`, and `equip.ensemble(..., resume=this)` makes them.
+        """The ensemble that `save` or `equip.ensemble(..., checkpoint=path)` wrote to `path`. Unfinished runs
+        are `lost`; `equip.ensemble(..., resume=this)` repeats them.
 
         Raises
         ------
         ValueError
-            If the file was not written by either of them.
+            If neither of these wrote the file.
         """
         return read_rows(path)
 

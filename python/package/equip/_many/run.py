@@ -57,78 +57,76 @@ def ensemble(
     checkpoint: Optional[Path] = None,
     progress: bool = False,
 ) -> Ensemble:
-    """Integrates from N starts over the same span. All numbers are in the units of H.
+    """Integrates from N initial conditions over the same interval. All numbers are in the units of H.
 
-    Every bit is that of a run of its own, whatever the number of threads, processes and machines. Python runs
-    meanwhile, and Ctrl-C ends all runs of this process within a tenth of a second or a step.
+    Every row has the bits of a single run, for any number of threads, processes and machines. Other Python
+    threads continue to run. Ctrl-C ends all runs of this process within a tenth of a second or one step.
 
     Parameters
     ----------
     h
         The energy: H(q, p), or H(t, q, p) by `Hamiltonian.with_time`.
     q0, p0
-        Positions and momenta at the starts, (N, *h.shape); with `n`, of one start, h.shape.
+        Initial positions and momenta, (N, *h.shape); with `n`, one initial condition, h.shape.
     span
-        Start and end of the interval, both finite; runs go back in time if the end lies before the start.
+        Start and end of the interval, both finite; runs go backward in time if the end lies before the start.
     n, seed, spread
-        Draws n starts around one, by `equip.draw_starts`: each from the seed and its own number alone,
-        whatever threads, chunks and executors.
+        Draws n initial conditions near (q0, p0), as `equip.draw_starts` does. Each depends on the seed and
+        its number alone.
     output
-        A function of each run that succeeds, as a `Solution` with all its steps; `Ensemble.outputs` has what
-        it returns, and what it raises ends the ensemble. It is called in threads, and travels with the chunks
-        to an executor; each run is then made ready anew, and Ctrl-C waits for those that are under way.
+        A function of each successful run, a `Solution` with all its steps. `Ensemble.outputs` has the return
+        values. An exception of the function ends the ensemble. The function is called in threads, or sent to
+        the executor with the chunks. Runs are then prepared one by one. Ctrl-C waits for the current runs.
     t_eval, dense_output, events, precision
-        What the `Solution` that `output` is given has, as in `equip.solve`; with "dd" it is of a run in
-        double-double. They are refused without `output`.
+        Options of the `Solution` that `output` receives, as in `equip.solve`. They need `output`.
     method
         `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
     step, tolerance
-        A fixed step without a sign, or an error per step relative to the motion within
-        it: one of them. Without both, the tolerance is 1e-12.
+        Either a fixed step size without a sign, or a tolerance: the error of a step relative to the change of
+        the state over the step. The default is the tolerance 1e-12.
     preserve
-        Further quantities f(q, p) by name that are kept like the energy; of (t, q, p) where H is.
+        Further quantities f(q, p) by name, conserved like the energy; f(t, q, p) if H depends on time.
     measure_energy
-        Whether methods that do not solve for the energy evaluate it, for `Ensemble.energy_error`.
+        Whether methods without free α evaluate the energy, for `Ensemble.energy_error`.
     chaos
         Whether `Ensemble` has the largest Lyapunov exponents and MEGNO.
     first_step, min_step, max_step, max_steps
-        Of steps by tolerance: sizes, in the unit of time, and their number.
+        Of variable steps: step sizes, in the unit of time, and the largest number of steps.
     rtol, atol
-        Of steps by tolerance: errors of a step relative to its motion, in place of `tolerance`, and errors
-        that are allowed in addition. A number, or a pair for positions and momenta of numbers or arrays of
-        the shape `h.shape`.
+        Of variable steps: `rtol` replaces `tolerance`, component by component; `atol` is an absolute error
+        that is always allowed. A number, or a pair for positions and momenta of numbers or arrays of the
+        shape `h.shape`.
     threads
-        Threads of the machine, at most one for each run; all by default, with an executor one for each chunk.
+        Number of threads, at most one for each run. The default is all; with an executor, one for each chunk.
     executor
-        Makes the runs elsewhere, `chunk` starts at a time: an executor of `concurrent.futures` with
-        processes, `mpi4py.futures.MPIPoolExecutor`, Dask's `client.get_executor()`. H travels as its
-        recording, so that it may be a lambda; `output` is a function of a module. If a worker dies, the runs
-        that were not finished are `lost`, and all others are kept.
+        Makes the runs elsewhere, `chunk` runs at a time: an executor of `concurrent.futures` with
+        processes, `mpi4py.futures.MPIPoolExecutor`, or `client.get_executor()` of Dask. H is sent as its
+        recorded formula, so it may be a lambda; `output` must be a function of a module. If a worker dies,
+        its unfinished runs are `lost`, and all other rows remain.
     chunk
-        Starts that an executor is given at a time, or that are made between two looks at the checkpoint.
+        Number of runs in a task of the executor, or between two updates of the checkpoint.
     resume
-        An ensemble of the same H, starts, span and options: its rows are taken, and only its `lost` runs are
-        made.
+        An ensemble with the same H, initial conditions, span and options. Only its `lost` runs are repeated.
     checkpoint
-        A file for rows: HDF5 if its name ends in `.h5`, else a NumPy archive. Finished rows are written while
-        the others are made, and when an exception, Ctrl-C or SIGTERM ends them; the same call, in this
-        process or a later one, makes only what is missing. With it runs are made `chunk` starts at a time, by
-        threads too. One process at a time may have it. `Ensemble.load` reads the file.
+        A file for rows: HDF5 if its name ends in `.h5`, otherwise a NumPy archive. Finished rows are written
+        during the computation, and when an exception, Ctrl-C or SIGTERM ends it. The same call, in this
+        process or a later one, computes only the missing rows. Runs are then made `chunk` at a time, also by
+        threads. Only one process at a time may use the file. `Ensemble.load` reads it.
     progress
-        Whether to show a bar; asks for the package tqdm.
+        Whether to show a progress bar; needs the package tqdm.
 
     Returns
     -------
     Ensemble
-        A row for each start, in their order. A start that cannot be used is in `Ensemble.errors`, as is a run
-        that failed.
+        A row for each initial condition, in the same order. `Ensemble.errors` has invalid initial conditions
+        and failed runs.
 
     Raises
     ------
     ValueError
-        For options that cannot be used, and a checkpoint or an ensemble to resume of other runs.
+        For invalid options, and for a checkpoint or a `resume` of other runs.
     FileFormatError
-        A ValueError: for a checkpoint that is damaged, or no file of rows.
+        A ValueError: for a damaged checkpoint, or another file.
     FileInUseError
         For a checkpoint that another process is writing.
     TypeError
@@ -161,16 +159,15 @@ def ensemble(
     at_times = outputs(h, given, t_eval, dense_output, events, precision)
     if output is None and (at_times or dense_output or events is not None or precision == "dd"):
         raise ValueError(
-            "t_eval, dense_output, events and precision are for the Solution that output is given: give "
-            "output, a function of a Solution"
+            "t_eval, dense_output, events and precision need output: give output, a function of a Solution"
         )
     if n is not None:
         q0, p0 = draw_starts(q0, p0, n, seed=0 if seed is None else seed, spread=spread)
     elif seed is not None:
-        raise ValueError("seed draws starts around one: give their number n as well")
+        raise ValueError("seed draws initial conditions: give their number n as well")
     q, p = starts_of(q0, h.shape, "q0"), starts_of(p0, h.shape, "p0")
     if q.shape != p.shape:
-        raise ValueError(f"q0 has {len(q)} starts, but p0 has {len(p)}")
+        raise ValueError(f"q0 has {len(q)} initial conditions, but p0 has {len(p)}")
     workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
     start, end = interval_of(span)
     times = (start[0], end[0])
@@ -181,9 +178,7 @@ def ensemble(
     chunk = whole(chunk, "chunk", 1)
     check_executor(executor)
     if checkpoint is not None and (resume is not None or output is not None):
-        raise ValueError(
-            "checkpoint has the rows of its own runs: leave out resume and output, or checkpoint"
-        )
+        raise ValueError("checkpoint cannot be combined with resume or output: omit these, or checkpoint")
     # Faults of the options are found here; in double-double every run finds them.
     if precision == "f64":
         _native.ensemble(h._recorded, [], [], times, given, 1, None)

@@ -1,4 +1,4 @@
-"""Starts of ensembles: drawn around one, or given as arrays."""
+"""Initial conditions of ensembles: drawn at random, or given as arrays."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from .._numbers import Floats, Shape, number, pairs, whole
 
 
 def draw_starts(q0: Any, p0: Any, n: int, *, seed: int = 0, spread: float = 0.01) -> tuple[Floats, Floats]:
-    """Starts of `n` members around (q0, p0): positions and momenta, (n, *shape) each.
+    """`n` random initial conditions near (q0, p0): positions and momenta, (n, *shape) each.
 
-    Every component x becomes x (1 + spread u), with u uniform in [-1, 1) and its own for each component;
-    components that are zero stay so. Member number i depends on `seed` and i alone, so that the first n
-    members of more are the same. `drawn_start` of the Rust library draws the same ones.
+    Every component x becomes x (1 + spread u), with an independent u, uniform in [-1, 1). Zero components
+    stay zero. Number i depends on `seed` and i alone; the first n of a larger set are therefore the same.
+    `drawn_start` of the Rust library draws the same initial conditions.
 
     Parameters
     ----------
     q0, p0
-        One start, each of the shape of the Hamiltonian.
+        One initial condition; q0 and p0 have the shape of the Hamiltonian.
     n
-        The number of members.
+        The number of initial conditions.
     seed
         A whole number from 0 to 2^64 - 1.
     spread
-        How far a component is moved at most, in units of itself.
+        The largest relative change of a component.
 
     Examples
     --------
@@ -45,7 +45,7 @@ def draw_starts(q0: Any, p0: Any, n: int, *, seed: int = 0, spread: float = 0.01
 
 
 def starts_of(x: Any, shape: Shape, name: str) -> Floats:
-    """Positions or momenta at N starts, (N, *shape)."""
+    """Positions or momenta of N initial conditions, (N, *shape)."""
     high, _ = pairs(x, name)
     if high.shape[1:] != shape or high.ndim != len(shape) + 1:
         raise ValueError(f"{name} has shape {high.shape}; it must be (N, {', '.join(map(str, shape))})")
