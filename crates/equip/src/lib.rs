@@ -22,7 +22,7 @@
 //! # }
 //! ```
 //!
-//! Many runs of one system: what does not depend on the initial condition is prepared once.
+//! For many runs of one system, everything that does not depend on the initial condition is prepared once:
 //!
 //! ```
 //! # use equip::prelude::*;
@@ -37,22 +37,20 @@
 //! # }
 //! ```
 //!
-//! The source tree has a guide in chapters, `docs/SUMMARY.md`, and fifteen programs to copy from,
-//! `crates/equip/examples`.
+//! The source tree has a guide (`docs/SUMMARY.md`) and fifteen example programs (`crates/equip/examples`).
 //!
-//! | crate | re-exported as | what is in it |
+//! | crate | re-exported as | contents |
 //! |---|---|---|
-//! | `equip-scalar` | [`scalar`] | number types: `f64`, `DoubleDouble`, constants in H |
+//! | `equip-scalar` | [`scalar`] | floating-point types: `f64`, `DoubleDouble`, constants in H |
 //! | `equip-tableau` | [`tableau`] | Gauss nodes, weights, K(α) |
 //! | `equip-autodiff` | [`autodiff`] | H → gradient, Hessian, structure |
 //! | `equip-tables` | [`tables`] | parts of H given as data or as closures |
-//! //! | `equip-integrate` | [`integrate`] | methods, runs, events, checkpoints, certificate |
+//! | `equip-integrate` | [`integrate`] | methods, runs, events, checkpoints, certificate |
 //! | `equip-scenes` | [`scenes`] | named Hamiltonians with references |
 //!
-//! With the feature `rayon` there are ensembles over threads (`Integrator::ensemble`). With the feature
-//! `serde` checkpoints and certificates can be written by it. The default feature `sparse` factorises ∇²H of
-//! long chains as sparse matrices; without it less is compiled. The program `equip` is a
-//! package of its own, `equip-cli`.
+//! The feature `rayon` adds ensembles over threads (`Integrator::ensemble`). With the feature `serde`,
+//! checkpoints and certificates can be serialised. The default feature `sparse` factorises ∇²H of long chains
+//! as sparse matrices; without it the build is shorter. The program `equip` is the package `equip-cli`.
 #![forbid(unsafe_code)]
 
 pub use equip_autodiff as autodiff;

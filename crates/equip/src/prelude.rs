@@ -1,7 +1,7 @@
-//! What a program that integrates its own Hamiltonian names: `use equip::prelude::*;`.
+//! The names that a program needs to integrate its own Hamiltonian: `use equip::prelude::*;`.
 //!
-//! All else has its place by path: options, steppers and figures in [`crate::integrate`], number types in
-//! [`crate::scalar`], errors of H in [`crate::autodiff`] and [`crate::tables`].
+//! All other names have a path: options, steppers and results in [`crate::integrate`], floating-point types
+//! in [`crate::scalar`], errors of H in [`crate::autodiff`] and [`crate::tables`].
 
 pub use equip_autodiff::{Hamiltonian, Var};
 pub use equip_integrate::{

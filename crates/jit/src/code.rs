@@ -27,12 +27,11 @@ pub struct Code {
 }
 
 impl Code {
-    /// Makes code for rows of `stride` doubles with these instructions. `None` where that cannot be:
-    /// instructions without AVX2, rows of several doubles that vectors of 4 do not fill, rows too far from
-    /// each other for an address, or a system that lets no program make code.
+    /// Generates code for rows of `stride` doubles and this instruction set. `None` if this is impossible:
+    /// without AVX2, for rows of several doubles whose number is not a multiple of 4, for rows too far apart
+    /// for an address, or on a system that forbids generated code.
     ///
-    /// Cost: 0.1 µs an operation, several times that where many values are alive, and some 10 µs for the
-    /// memory.
+    /// Cost: 0.1 µs per operation, several times that if many values are live, and some 10 µs for the memory.
     pub fn new(program: &Program, set: InstructionSet, stride: usize) -> Option<Self> {
         let has_avx2 = InstructionSet::avx2().is_some_and(|avx2| avx2 <= set);
         let has_avx512 = InstructionSet::avx512() == Some(set);
@@ -58,24 +57,24 @@ impl Code {
         })
     }
 
-    /// Length of the rows.
+    /// The length of a row.
     #[inline]
     pub fn stride(&self) -> usize {
         self.stride
     }
 
-    /// Scratch that a run needs.
+    /// The length of the scratch memory of a run.
     #[inline]
     pub fn scratch(&self) -> usize {
         self.scratch
     }
 
-    /// Runs the program on the first `count` lanes of rows that stand one after the other. Lanes from there
-    /// on are computed too where they belong to a vector of those; what is in the others stays.
+    /// Runs the program on the first `count` lanes of the rows, which are stored one after the other. Further
+    /// lanes of the last vector are computed as well. All other lanes of the results are unchanged.
     ///
     /// # Panics
-    /// If there are fewer rows than the program reads and writes, `count` is larger than a row, or scratch is
-    /// too short.
+    /// If there are fewer rows than the program reads or writes, if `count` exceeds the length of a row, or
+    /// if the scratch memory is too short.
     #[inline]
     pub fn run(&self, inputs: &[f64], results: &mut [f64], scratch: &mut [Lanes<8>], count: usize) {
         assert!(

@@ -1,15 +1,14 @@
-//! Straight-line arithmetic on lanes of doubles as machine code, made when the program runs.
+//! Straight-line arithmetic on lanes of doubles, as machine code generated at run time.
 //!
-//! A recorded energy is known only when the program runs. Replayed, each operation has to be found, its
-//! operands be read from memory and its result be written there; as machine code of its own it stands between
-//! those it belongs to, and numbers stay in registers.
+//! The trace of an energy is known only at run time. A replay looks up every operation, reads its operands
+//! from memory and writes its result to memory. Machine code keeps the numbers in registers.
 //!
 //! [`Program`] → registers (farthest next use) → bytes (by iced-x86) → executable memory (by memmap2) →
 //! [`Code::run`].
 //!
-//! Every operation is an instruction of its own, rounded as in Rust: results have every bit of the same
-//! operations on `f64`. For x86-64 with AVX2 or AVX-512; elsewhere [`Code::new`] gives `None`, and so it does
-//! on systems that forbid making code.
+//! Every operation is one instruction, rounded as in Rust, so the results have the bits of the same
+//! operations on `f64`. Supported processors: x86-64 with AVX2 or AVX-512. On others, and on systems that
+//! forbid generated code, [`Code::new`] returns `None`.
 //!
 //! ```
 //! use equip_jit::{Code, Program};

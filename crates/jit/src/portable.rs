@@ -1,9 +1,9 @@
-//! [`Code`] for processors that no code is made for: there is none.
+//! [`Code`] for processors that are not supported: there is none.
 
 use crate::Program;
 use equip_scalar::{InstructionSet, Lanes};
 
-/// Machine code of a [`Program`], which this processor has none for.
+/// Machine code of a [`Program`], which does not exist for this processor.
 #[derive(Debug)]
 pub enum Code {}
 
@@ -13,12 +13,12 @@ impl Code {
         None
     }
 
-    /// Length of the rows.
+    /// The length of a row.
     pub fn stride(&self) -> usize {
         match *self {}
     }
 
-    /// Scratch that a run needs.
+    /// The length of the scratch memory of a run.
     pub fn scratch(&self) -> usize {
         match *self {}
     }

@@ -25,20 +25,20 @@ pub(crate) enum Operation {
     Constant(u32),
     Binary(Binary, u32, u32),
     Sqrt(u32),
-    /// A row of the results, from a value; has no value itself.
+    /// Writes a value to a row of the results; has no value itself.
     Result {
         row: u32,
         of: u32,
     },
 }
 
-/// Straight-line arithmetic from rows of inputs to rows of results, in the order in which it is to be done.
+/// Straight-line arithmetic from rows of inputs to rows of results, in the order of execution.
 ///
-/// Each operation is rounded for itself, as in Rust.
+/// Each operation is rounded separately, as in Rust.
 ///
 /// # Panics
-/// All methods that take a [`Value`], if there is none of this number: values belong to the program that gave
-/// them. `input` and `result`, if the row is 2³² − 1 or beyond.
+/// All methods that take a [`Value`], if it does not belong to this program. `input` and `result`, if the row
+/// is 2³² − 1 or more.
 #[derive(Debug, Clone, Default)]
 pub struct Program {
     pub(crate) operations: Vec<Operation>,
@@ -52,7 +52,7 @@ pub struct Program {
 }
 
 impl Program {
-    /// Without operations.
+    /// An empty program.
     pub fn new() -> Self {
         Self::default()
     }
@@ -64,7 +64,7 @@ impl Program {
         self.push(Operation::Input(row))
     }
 
-    /// The same number in every lane. Numbers of the same bits are one value.
+    /// The same number in every lane. Numbers with the same bits are one value.
     pub fn constant(&mut self, x: f64) -> Value {
         let next = Value(self.operations.len() as u32);
         let value = *self.known.entry(x.to_bits()).or_insert(next);
@@ -116,7 +116,7 @@ impl Program {
     /// Writes a row of the results.
     ///
     /// # Panics
-    /// If it is written already.
+    /// If the row has been written already.
     pub fn result(&mut self, row: usize, of: Value) {
         let (row, of) = (number_of(row), self.own(of));
         assert!(self.written.insert(row), "row {row} is written twice");

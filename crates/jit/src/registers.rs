@@ -1,8 +1,7 @@
-//! Which value is in which register when: instructions of two operands, the second of which may be in memory.
+//! Register allocation, for instructions of two operands, the second of which may be in memory.
 //!
-//! Straight-line code needs no more than this: where a register is wanted and none is free, the value goes
-//! whose next use is farthest [Belady 1966]. It is written to memory only if it is nowhere else: inputs,
-//! constants and results are not.
+//! If no register is free, the value with the farthest next use is evicted [Belady 1966]. It is spilled to
+//! memory unless it is there already, as inputs, constants and results are.
 
 use crate::program::{Binary, Operation, Program};
 

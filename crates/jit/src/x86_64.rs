@@ -1,8 +1,8 @@
-//! Instructions as bytes, for x86-64 with AVX2 or AVX-512: on doubles one by one, in fours and in eights.
-//! Encoded by iced-x86.
+//! Instructions as bytes, for x86-64 with AVX2 or AVX-512, on one, four or eight doubles at once. iced-x86
+//! encodes them.
 //!
-//! Arguments of the code [System V ABI]: rows of inputs in rdi and of results in rsi, constants in rdx,
-//! scratch in rcx, groups in r8; r9 counts. All vector registers are free to use.
+//! Arguments of the code [System V ABI]: rows of inputs in rdi, rows of results in rsi, constants in rdx,
+//! scratch memory in rcx, number of groups in r8; r9 is the loop counter. All vector registers are available.
 
 use crate::program::Binary;
 use crate::registers::{self, Memory, Registers, Source};

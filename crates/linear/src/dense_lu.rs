@@ -1,4 +1,4 @@
-//! Dense LU factorisation in place, without allocation after the first, by nalgebra's elimination steps.
+//! Dense LU factorisation in place, by the elimination steps of nalgebra. Only the first one allocates.
 
 use nalgebra::linalg::{gauss_step, gauss_step_swap};
 use nalgebra::{ComplexField, DMatrix, DVector};
@@ -15,7 +15,7 @@ pub struct DenseLu<T: ComplexField> {
 }
 
 impl<T: ComplexField + Copy> DenseLu<T> {
-    /// For matrices of this many rows.
+    /// For matrices with `dimension` rows.
     pub fn new(dimension: usize) -> Self {
         DenseLu {
             matrix: DMatrix::zeros(dimension, dimension),

@@ -1,5 +1,5 @@
-//! Factorisations that are made and used without allocation: dense LU in any field, and, with the feature
-//! `sparse`, sparse complex LU.
+//! Factorisations and solves without allocation: dense LU in any field and, with the feature `sparse`, sparse
+//! complex LU.
 #![forbid(unsafe_code)]
 
 mod dense_lu;

@@ -1,15 +1,14 @@
-//! What stands for sparse factorisations where the feature `sparse` is off: no pattern is taken, so that none
-//! is made, and dense ones are.
+//! Placeholders without the feature `sparse`: no pattern is accepted, so all factorisations are dense.
 
 use crate::dense_lu::Singular;
 use nalgebra::Complex;
 use std::convert::Infallible;
 
-/// The pattern of matrices of which there are none.
+/// The pattern of a sparse matrix; has no values.
 #[derive(Debug)]
 pub struct Symbolic(Infallible);
 
-/// The factors of none of them.
+/// The factors of a sparse matrix; never computed.
 #[derive(Debug)]
 pub struct SparseLu;
 
@@ -19,7 +18,7 @@ impl Symbolic {
         None
     }
 
-    /// Rows of the matrix.
+    /// The number of rows of the matrix.
     pub fn dimension(&self) -> usize {
         match self.0 {}
     }

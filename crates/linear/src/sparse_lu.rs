@@ -1,9 +1,8 @@
-//! Sparse LU factorisation of complex matrices with one pattern, by faer's simplicial elimination.
+//! Sparse LU factorisation of complex matrices with a common pattern, by the simplicial elimination of faer.
 //!
-//! The columns are ordered once, by COLAMD, for little fill whatever the pivots; rows are exchanged by
-//! partial pivoting. Cost for a chain or ring of n sites: proportional to n, in time and memory. The factors
-//! grow during the first factorisation and are reused; a later one allocates only if other pivots need more
-//! fill.
+//! COLAMD orders the columns once, for little fill with any pivots; rows are exchanged by partial pivoting.
+//! Cost for a chain or ring of n sites: proportional to n, in time and memory. The first factorisation
+//! allocates the factors. A later one allocates only if other pivots need more fill.
 
 use crate::dense_lu::Singular;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
@@ -14,7 +13,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par};
 use nalgebra::Complex;
 
-/// The pattern by columns and the order of the columns: what all matrices of a run share.
+/// The pattern by columns and the order of the columns, common to all matrices of a run.
 #[derive(Debug)]
 pub struct Symbolic {
     column_starts: Vec<usize>,
@@ -42,7 +41,7 @@ pub struct SparseLu {
 }
 
 impl Symbolic {
-    /// Rows ascend within each column. `None` if there is no memory.
+    /// Rows ascend within each column. `None` if there is not enough memory.
     pub fn new(column_starts: Vec<usize>, rows: Vec<usize>) -> Option<Self> {
         let n = column_starts.len() - 1;
         let (mut order, mut order_inverse) = (vec![0; n], vec![0; n]);
@@ -70,7 +69,7 @@ impl Symbolic {
         })
     }
 
-    /// Rows of the matrix.
+    /// The number of rows of the matrix.
     pub fn dimension(&self) -> usize {
         self.order.len()
     }

@@ -1,4 +1,4 @@
-//! [`Constant`]: a constant in H that no `f64` caps.
+//! [`Constant`]: a constant in H that is not limited to the precision of `f64`.
 
 use crate::error::ParseFloatError;
 use std::collections::HashSet;
@@ -7,13 +7,12 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 /// A number as an unevaluated sum of doubles, largest first: up to 318 bits.
 pub type Words = [f64; 6];
 
-/// A constant that is evaluated in whatever float type H is later computed in.
+/// A constant that is evaluated in the floating-point type of the run.
 ///
 /// An `f64` literal in a 31-digit run silently limits it to 16 digits unless it is exactly representable
 /// (`0.5`, `2.0`, `-0.75` are; `0.1` is not). [`ratio`] and [`decimal`] have no such limit.
 ///
-/// The double it is in `f64` is stored with it: there an energy that holds it costs what one that holds an
-/// `f64` costs.
+/// Its value in `f64` is stored as well, so in `f64` a constant costs no more than a literal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constant {
     pub(crate) double: f64,
@@ -52,8 +51,8 @@ impl Constant {
         }
     }
 
-    /// A decimal that is not known before the program runs, as one read from a file: its text is kept for the
-    /// life of the process, once however often it is given.
+    /// A decimal that is known at run time only, for example from a file. Its text is stored once, for the
+    /// life of the process.
     ///
     /// # Errors
     /// As [`decimal`].
@@ -84,13 +83,13 @@ impl Constant {
         self.double
     }
 
-    /// How it was written.
+    /// The form in which the constant was written.
     pub fn written(self) -> Written {
         self.written
     }
 }
 
-/// n/d, divided in the float type H is computed in: `ratio(1, 3) * q[0].powi(3)`.
+/// n/d, divided in the floating-point type of the run: `ratio(1, 3) * q[0].powi(3)`.
 #[inline(always)]
 pub const fn ratio(n: i64, d: i64) -> Constant {
     Constant {
@@ -99,10 +98,10 @@ pub const fn ratio(n: i64, d: i64) -> Constant {
     }
 }
 
-/// A decimal, read in the float type H is computed in: `let mu = decimal("0.012277471")?;`.
+/// A decimal, parsed in the floating-point type of the run: `let mu = decimal("0.012277471")?;`.
 ///
 /// # Errors
-/// [`ParseFloatError`] when the text is not a decimal number.
+/// [`ParseFloatError`] if the text is not a decimal number.
 pub fn decimal(text: &'static str) -> Result<Constant, ParseFloatError> {
     match text.trim().parse() {
         Ok(double) => Ok(Constant {

@@ -1,4 +1,4 @@
-//! [`ParseFloatError`]: a text that is no number.
+//! [`ParseFloatError`]: a text that is not a number.
 
 /// A decimal that could not be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -1,10 +1,11 @@
-//! Forward dual numbers over any [`Float`], through num-dual, which stays a private field.
+//! Forward dual numbers over any [`Float`], by num-dual, which is a private field.
 //!
 //! Their derivatives are ∇²H·v of every energy: the trace of ∇H replayed on [`Forward`] numbers.
 //!
-//! √, tanh, xⁿ, xᶜ and atan2 are not num-dual's but follow the chain rule here, because num-dual 0.15.1 gives
-//! NaN for (0)^2.5, tanh(800), the slope of √ at 0, x⁻¹ at 1e-110 and atan2(y, 0); 1/x, because a float of
-//! the user's has no constant 2. Infinite derivatives stay so, and an infinite slope times 0 is 0.
+//! √, tanh, xⁿ, xᶜ and atan2 are implemented here, because num-dual 0.15.1 returns NaN for (0)^2.5,
+//! tanh(800), the derivative of √ at 0, x⁻¹ at 1e-110 and atan2(y, 0). 1/x is implemented here because a
+//! user-defined float has no constant 2. Infinite derivatives remain infinite; an infinite derivative times 0
+//! is 0.
 //!
 //! The value part of √, tanh, xᶜ, atan2 and of all functions of one argument is bitwise that of the plain
 //! float. That of x/y (computed as x·(1/y)) and of xⁿ for n ≥ 3 (xⁿ⁻²·x·x) may differ in the last bits.

@@ -1,7 +1,7 @@
-//! One glue between our float types and num-traits, num-dual, approx and nalgebra.
+//! The trait implementations for our float types that num-traits, num-dual, approx and nalgebra require.
 //!
-//! `float_glue!([] T)` writes every impl these crates ask for by forwarding to inherent functions of `T` that
-//! are named as those of `f64`; a generic type has its parameters in the brackets. A new float type brings:
+//! `float_glue!([] T)` generates these implementations. They forward to inherent functions of `T` with the
+//! names of those of `f64`; a generic type has its parameters in the brackets. A new float type provides:
 //!
 //! - `Copy`, `Debug`, `Display`, `PartialEq`, `PartialOrd`, `FromStr<Err = ParseFloatError>`, `From<f64>`,
 //!   `+ − × ÷ %` and negation by value, and our [`Float`](crate::Float);
@@ -10,7 +10,7 @@
 //! - the limits of [`Float`](crate::Float) as constants, and `small` (a double, exactly);
 //! - num-traits' `FloatConst` and num-dual's `DualNumFloat`.
 //!
-//! [`Own`](crate::Own) brings them for every type that has arithmetic.
+//! [`Own`](crate::Own) provides them for every type that has arithmetic.
 
 #[macro_use]
 mod num_dual;
@@ -21,7 +21,7 @@ mod simba;
 #[cfg(feature = "serde")]
 mod serialised;
 
-/// What num-dual asks of the float below its dual numbers.
+/// The requirements of num-dual on the float type of its dual numbers.
 pub trait DualFloat: ::num_dual::DualNum<Primitive = Self> + ::num_dual::DualNumFloat {}
 
 impl<T: ::num_dual::DualNum<Primitive = T> + ::num_dual::DualNumFloat> DualFloat for T {}

@@ -1,4 +1,4 @@
-//! Many numbers at once, with the instructions that the processor has.
+//! Many numbers at once, with the vector instructions of the processor.
 
 mod instructions;
 mod lanes;

@@ -1,22 +1,23 @@
-//! Number types of the equip integrators.
+//! Floating-point types of the equip integrators.
 //!
-//! | type or trait | what it is |
+//! | type or trait | meaning |
 //! |---|---|
 //! | [`Scalar`] | arithmetic and elementary functions, **no ordering**: what an energy H may use |
-//! | [`Float`] | a [`Scalar`] with ordering, ε, exact ratios, parsed decimals: what the integrator computes in |
-//! | [`Outside`] | a function with its derivatives that is no composition of operations: a table |
-//! | [`Recording`] | the one [`Scalar`] without a value; its comparisons are noted and refused |
-//! | [`Num`] | the wrapper a user's generic energy sees: `0.5 * q[0]`, `q[0].sin()`, never `q[0] < 1.0` |
-//! | [`Constant`] | a constant in H that is as exact as the float type that later reads it |
+//! | [`Float`] | a [`Scalar`] with ordering, ε, exact ratios and parsed decimals: the type of a run |
+//! | [`Outside`] | an external function with its derivatives, such as a table |
+//! | [`Recording`] | the [`Scalar`] that traces operations; it has no value, and comparisons are rejected |
+//! | [`Num`] | the wrapper in a user's energy: `0.5 * q[0]`, `q[0].sin()`, never `q[0] < 1.0` |
+//! | [`Constant`] | a constant in H that is exact in every floating-point type |
 //! | [`DoubleDouble`] | about 31 digits, as an unevaluated sum of two `f64` |
-//! | [`Own`] | a float of one's own, of which only the [`Arithmetic`] is written |
+//! | [`Own`] | a user-defined floating-point type, given by its [`Arithmetic`] |
 //! | [`Lanes`], [`DoubleDoubles`] | N doubles or double-doubles at once, one for each stage; vector instructions inside a [`Kernel`] |
 //! | [`Pack`] | either of them, in generic code |
-//! | [`power`] | log₂, 2ˣ and xᵃ to eight digits, the same bits on every machine: for choices, not for results |
+//! | [`power`] | log₂, 2ˣ and xᵃ to eight digits, with the same bits on every machine: for step sizes, not for results |
 //! | [`Forward`] | dual numbers with first derivatives (through num-dual) |
 //!
 //! `Scalar` declares its functions without a receiver (`S::sin(x)`, not `x.sin()`), so that in code generic
-//! over [`Float`] the call `x.sin()` means nalgebra's [`RealField`](nalgebra::RealField) and nothing else.
+//! over [`Float`] the call `x.sin()` unambiguously means that of nalgebra's
+//! [`RealField`](nalgebra::RealField).
 // Not `forbid`, for two exceptions: simba's `SimdValue` makes every implementor declare two `unsafe fn` (in
 // `glue`, without an unsafe operation), and `instructions` calls functions compiled for instructions that the
 // processor was found to have.

@@ -1,4 +1,4 @@
-//! [`Num`]: the number a user's energy is written with.
+//! [`Num`]: the type of the numbers in a user's energy.
 
 use crate::constant::Constant;
 use crate::double_double::DoubleDouble;
@@ -6,14 +6,14 @@ use crate::traits::Scalar;
 use std::iter::{Product, Sum};
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A number of unknown kind: a float, a dual number, or a variable being recorded.
+/// A number of any kind: a float, a dual number, or a variable that is being traced.
 ///
-/// It has every operation of [`Scalar`] as a method, mixes with `f64`, `i32`, [`Constant`] and
-/// [`DoubleDouble`] on either side, and offers no comparison and no read-out: an energy must not branch on
-/// the state. Use [`min`](Self::min), [`max`](Self::max), [`abs`](Self::abs), [`clamp`](Self::clamp) and
-/// [`select`](Self::select) for piecewise functions.
+/// It has every operation of [`Scalar`] as a method, and operators with `f64`, `i32`, [`Constant`] and
+/// [`DoubleDouble`] on either side. It has no comparison and no conversion to `f64`, because an energy must
+/// not branch on the state. Use [`min`](Self::min), [`max`](Self::max), [`abs`](Self::abs),
+/// [`clamp`](Self::clamp) and [`select`](Self::select) for piecewise functions.
 ///
-/// Every method costs what the wrapped type's function costs; the wrapper itself costs nothing.
+/// The wrapper costs nothing.
 #[derive(Debug, Clone, Copy)]
 #[repr(transparent)]
 pub struct Num<S>(pub S);
@@ -89,18 +89,18 @@ impl<S: Scalar> Num<S> {
         self.ln() * DoubleDouble::LOG10_E
     }
 
-    /// The nearest number in [low, high]; its derivative is 0 outside.
+    /// The nearest number in [low, high]. Its derivative is 0 outside.
     #[inline(always)]
     pub fn clamp(self, low: impl Into<Self>, high: impl Into<Self>) -> Self {
         self.max(low).min(high)
     }
 
-    /// `at_least_zero` where this number is ≥ 0, `below` elsewhere (also where it is NaN):
-    /// `(q[0] - 1.0).select(0.0, well)`.
+    /// `at_least_zero` if this number is ≥ 0, otherwise `below` (also for NaN): `(q[0] - 1.0).select(0.0,
+    /// well)`.
     ///
-    /// Both are computed at every state, so both must be finite with finite derivatives there. What has no
-    /// value beyond the switch is kept on its own side: `x.select(x.max(0).sqrt(), 0)` has NaN for a
-    /// derivative where x < 0, `x.select(x.max(1e-9).sqrt(), 0)` has not.
+    /// Both arguments are evaluated at every state, so both must have finite values and derivatives at every
+    /// state. If an argument is not defined everywhere, bound its own argument: `x.select(x.max(0).sqrt(),
+    /// 0)` has the derivative NaN for x < 0, `x.select(x.max(1e-9).sqrt(), 0)` has not.
     ///
     /// ```
     /// use equip_scalar::Num;
@@ -118,8 +118,8 @@ impl<S: Scalar> Num<S> {
         Num(S::powi(self.0, n))
     }
 
-    /// xᶜ for a constant exponent: `r.powf(-1.5)`, `r.powf(ratio(1, 3))`. Half-integers up to 15/2 cost a
-    /// root.
+    /// xᶜ for a constant exponent: `r.powf(-1.5)`, `r.powf(ratio(1, 3))`. Half-integers up to 15/2 cost one
+    /// square root.
     #[inline(always)]
     pub fn powf(self, c: impl Into<Constant>) -> Self {
         Num(S::powf(self.0, c.into()))

@@ -1,11 +1,11 @@
-//! What is compiled once, with a crate, and not again in each that uses it.
+//! Functions that are compiled once, with their crate, and not again in each crate that uses them.
 //!
-//! Generic code is compiled where it is used, and an integrator is much of it: its kernels for every set of
-//! instructions take a minute. So such code is called through a table of functions, generic in the float
-//! type, of which a crate makes one for doubles and one for double-doubles. Constants say which of them is
-//! meant, so that for these types nothing is compiled elsewhere.
+//! Generic code is compiled where it is used. For an integrator, with its kernels for every instruction set,
+//! this takes a minute. Such code is therefore called through a table of functions, generic in the float
+//! type. A crate builds one table for doubles and one for double-doubles, and constants select the table, so
+//! that nothing is compiled elsewhere for these types.
 //!
-//! Cost: a call by an address.
+//! Cost: an indirect call.
 
 use std::any::Any;
 
@@ -52,10 +52,10 @@ macro_rules! ready {
     };
 }
 
-/// `x`, whose type has two names.
+/// `x`, under the second name of its type.
 ///
 /// # Panics
-/// If they are two types.
+/// If the two types differ.
 #[doc(hidden)]
 #[inline(always)]
 pub fn same<A: Any, B: Any>(x: &A) -> &B {

@@ -1,4 +1,4 @@
-//! What numbers can do.
+//! The traits of number types.
 
 mod derivatives;
 mod digits;

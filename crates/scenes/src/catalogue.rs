@@ -1,4 +1,4 @@
-//! All scenes, by name, with their parameters filled in.
+//! The catalogue of scenes, by name, and scenes with given parameters.
 
 mod any_model;
 mod instance;

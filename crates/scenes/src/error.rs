@@ -1,9 +1,9 @@
-//! What can be wrong with a request for a scene.
+//! The errors of a request for a scene.
 
 use crate::parameter::Range;
 use equip_autodiff::BuildError;
 
-/// A request for a scene that cannot be met.
+/// An invalid request for a scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -65,7 +65,7 @@ pub enum SceneError {
         /// What is allowed.
         range: Range,
     },
-    /// The value is outside the range in which the scene makes sense.
+    /// The value is outside the range of the parameter.
     #[error("{parameter} = {text} of {scene} is out of range; choose a value in {range}")]
     OutOfRange {
         /// The scene.

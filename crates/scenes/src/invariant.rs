@@ -1,4 +1,4 @@
-//! Quantities besides H that a scene keeps.
+//! The invariants of a scene besides H.
 
 use equip_autodiff::{BuildError, Hamiltonian, Var};
 use equip_scalar::{Num, Scalar};
@@ -6,22 +6,22 @@ use equip_scalar::{Num, Scalar};
 /// How an invariant depends on the state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InvariantKind {
-    /// Linear in (q, p): kept by every Runge–Kutta method.
+    /// Linear in (q, p): conserved by every Runge–Kutta method.
     Linear,
-    /// Quadratic in (q, p): kept by the Gauss and EQUIP methods.
+    /// Quadratic in (q, p): conserved by the Gauss and EQUIP methods.
     Quadratic,
-    /// Anything else: not kept by construction, so its drift is worth a look.
+    /// Anything else: not conserved by construction.
     Other,
 }
 
 /// A function I(q, p) with {I, H} = 0.
 #[derive(Debug)]
 pub struct Invariant {
-    /// Name, for people and for columns of tables.
+    /// The name, for messages and for columns of tables.
     pub name: &'static str,
     /// Linear, quadratic or neither.
     pub kind: InvariantKind,
-    /// I(q, p), recorded like an energy.
+    /// I(q, p), traced like an energy.
     pub quantity: Hamiltonian,
 }
 
@@ -39,7 +39,7 @@ impl Invariant {
         })
     }
 
-    /// Whether methods that keep quadratic invariants keep this one.
+    /// Whether methods that conserve quadratic invariants conserve this one.
     pub fn is_at_most_quadratic(&self) -> bool {
         self.kind != InvariantKind::Other
     }

@@ -1,9 +1,10 @@
-//! Named Hamiltonians: formula, source, parameters, invariants, exact or reference solutions, hard range.
+//! Scenes: named Hamiltonians with formula, source, parameters, invariants, exact or reference solutions, and
+//! difficulties.
 //!
-//! [`all`] is the catalogue, [`find`] looks up a name, [`Scene::instance`] fills in parameters given as text
-//! and records H, and [`Instance`] has everything a run needs, in any float type.
-//! [`Instance::from_reference`] starts where a stored reference started. The Hamiltonians themselves are in
-//! [`energies`], as types with their parameters.
+//! [`all`] is the catalogue, and [`find`] looks up a name. [`Scene::instance`] takes parameters as text and
+//! traces H. [`Instance`] has everything that a run needs, in any float type. [`Instance::from_reference`]
+//! has the initial state of a stored reference. The Hamiltonians themselves are in [`energies`], as types
+//! with their parameters.
 //!
 //! ```
 //! let scene = equip_scenes::find("pendulum")?;
@@ -14,8 +15,7 @@
 //! # Ok::<(), equip_scenes::SceneError>(())
 //! ```
 //!
-//! What it does not do: integrate. Scenes know their solutions only in closed form or from the table of
-//! references.
+//! This crate does not integrate. The solutions of scenes are closed forms or stored references.
 #![forbid(unsafe_code)]
 
 mod catalogue;

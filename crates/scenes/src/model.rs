@@ -1,4 +1,4 @@
-//! What every scene's Hamiltonian says of itself.
+//! The properties of the Hamiltonian of a scene.
 
 use crate::error::SceneError;
 use crate::invariant::Invariant;
@@ -8,7 +8,7 @@ use equip_scalar::Float;
 /// Positions q and momenta p.
 pub type State<T> = (Vec<T>, Vec<T>);
 
-/// What to draw of a solution.
+/// The type of picture of a solution.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum View {
     /// One degree of freedom: p against q.
@@ -19,8 +19,7 @@ pub enum View {
     Profile,
 }
 
-/// Names of the units of a scene, as they stand on the axes of a picture; empty where everything is
-/// dimensionless.
+/// The names of the units of a scene, for the axes of pictures; empty for dimensionless quantities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Units {
     /// Of positions.
@@ -29,7 +28,7 @@ pub struct Units {
     pub time: &'static str,
 }
 
-/// A Hamiltonian with its start, its time scale and what is known of its solutions.
+/// A Hamiltonian with its initial state, its time scale and its known solutions.
 pub trait Model {
     /// Number m of positions, and of momenta.
     fn degrees_of_freedom(&self) -> usize;

@@ -1,4 +1,4 @@
-//! Parameters of a scene: what they mean, and what they may be.
+//! The parameters of a scene: their meaning and range.
 
 use equip_scalar::Constant;
 use std::f64::consts::PI;
@@ -73,11 +73,11 @@ impl fmt::Display for Range {
 pub struct Parameter {
     /// Name, as in `--e 0.9`.
     pub name: &'static str,
-    /// Meaning, for people.
+    /// The meaning, as text.
     pub meaning: &'static str,
-    /// Value taken when none is given, as text.
+    /// The default value, as text.
     pub default: &'static str,
-    /// Values allowed.
+    /// The allowed values.
     pub range: Range,
     /// Whether only whole numbers are allowed.
     pub integer: bool,

@@ -1,8 +1,8 @@
 //! [`Alternating`]: a function that changes its sign at every inner knot.
 //!
-//! Between the knots x_i and x_{i+1}, a width h apart, g = ± 4 (x − x_i)(x_{i+1} − x)/h, before the second
-//! and after the last but one a straight line: g and its slope ∓4 at the knots are continuous. The first and
-//! the last knot are none of these, as polynomials go on there.
+//! Between the knots x_i and x_{i+1}, with h = x_{i+1} − x_i, g = ± 4 (x − x_i)(x_{i+1} − x)/h. Before the
+//! second and after the last but one knot, g is linear. g and its derivative, ∓4 at the knots, are
+//! continuous. The first and the last knot are not roots, because the polynomials continue there.
 
 use crate::knots::Knots;
 use crate::polynomial::{derivative, words};

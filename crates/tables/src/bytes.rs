@@ -1,5 +1,5 @@
-//! Tables as bytes: number of axes, and 16 more if the table is extrapolated, two ends, lengths of the axes,
-//! then knots and values as pairs of doubles. The least significant byte is the first.
+//! Tables as bytes: number of axes (plus 16 if the table is extrapolated), two end conditions, lengths of the
+//! axes, then knots and values as pairs of doubles. The least significant byte comes first.
 
 use crate::error::TableError;
 use crate::spline::End;

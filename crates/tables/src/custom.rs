@@ -8,16 +8,17 @@ use std::sync::Arc;
 
 type Function<T> = Box<dyn Fn(T) -> T + Send + Sync>;
 
-/// A function f of one variable given as closures for f, f′ and f″: what no composition of operations is,
-/// such as an iteration until convergence, a special function, or a call into another library.
+/// A function f of one variable, given as closures for f, f′ and f″. Use it for functions that cannot be
+/// written as a composition of operations: an iteration until convergence, a special function, a call into
+/// another library.
 ///
-/// The closures are called anew at every state, from several threads at once if there are, and must return
-/// the same for the same argument. f is for H, f′ for ∇H, f″ for ∇²H; where a third derivative is needed,
-/// as by a [`Custom::derivative_at`] inside of H with its Hessian, it is a difference of f″, to some ten
-/// digits. Fourth derivatives are NaN.
+/// The closures are called at every state, possibly from several threads at once. They must return the same
+/// value for the same argument. f is used for H, f′ for ∇H, f″ for ∇²H. A third derivative, as in ∇²H of an
+/// energy with [`Custom::derivative_at`], is approximated by differences of f″, to some ten digits. Fourth
+/// derivatives are NaN.
 ///
-/// In double-double f(x) is f + f′·(lower word of x), as exact as doubles are and smooth to that; give
-/// closures for it with [`in_double_double`](Self::in_double_double) to have 31 digits.
+/// In double-double, f(x) is f + f′·(lower word of x), with 16 digits. For 31 digits give closures with
+/// [`in_double_double`](Self::in_double_double).
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -37,7 +38,7 @@ pub struct Custom {
 }
 
 impl Custom {
-    /// f, f′ and f″.
+    /// The function with the closures f, f′ and f″.
     pub fn new(
         f: impl Fn(f64) -> f64 + Send + Sync + 'static,
         slope: impl Fn(f64) -> f64 + Send + Sync + 'static,
@@ -49,7 +50,7 @@ impl Custom {
         })
     }
 
-    /// With f, f′ and f″ for double-double.
+    /// The same function with closures f, f′ and f″ for double-double.
     ///
     /// ```
     /// use equip_scalar::{DoubleDouble, Num};
@@ -91,11 +92,11 @@ impl Custom {
         Num(S::outside(&self.outside(), [1, 0], [x.0, x.0]))
     }
 
-    /// Compares f′ and f″ at x with differences of f and f′. They may differ by 10⁻⁶ of their size: enough
-    /// for the error of differences, too little for a wrong term.
+    /// Compares f′ and f″ at x with differences of f and f′, to a relative error of 10⁻⁶. The error of the
+    /// differences is smaller, that of a wrong term larger.
     ///
     /// # Errors
-    /// [`TableError::WrongDerivative`] names the first that differs.
+    /// [`TableError::WrongDerivative`] with the first derivative that differs.
     ///
     /// ```
     /// use equip_tables::{Custom, TableError};

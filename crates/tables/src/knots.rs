@@ -1,9 +1,8 @@
-//! [`Knots`]: ascending numbers, and between which two of them another lies.
+//! [`Knots`]: ascending numbers, and the interval that contains a given number.
 //!
-//! The range is divided into as many cells of one width as there are intervals, and for every cell the first
-//! interval that reaches into it is kept. The cell of a number is a product, and what is left to search are
-//! the intervals in its cell: one or two of uniform knots, whatever their number, else log₂ of as many as
-//! are crowded there.
+//! The range is divided into cells of equal width, as many as there are intervals. Each cell stores the first
+//! interval that overlaps it. One product gives the cell of a number, and only the intervals in this cell are
+//! searched: one or two for uniform knots, log₂ of their number if they are crowded.
 
 use super::error::TableError;
 use equip_scalar::DoubleDouble;

@@ -1,10 +1,10 @@
-//! Parts of an energy that are given as data or as code, for use inside of H.
+//! Parts of an energy that are given as data or as code.
 //!
-//! | type | what it is | derivatives |
+//! | item | meaning | derivatives |
 //! |---|---|---|
-//! | [`Table`] | the cubic spline through points (x_i, y_i) | all, y‴ piece by piece |
-//! | [`Table2`] | the bicubic spline through values on a grid | all, third ones piece by piece |
-//! | [`floor`] | the largest integer up to x | 0 |
+//! | [`Table`] | the cubic spline through points (x_i, y_i) | all; y‴ is piecewise constant |
+//! | [`Table2`] | the bicubic spline through values on a grid | all; third ones jump at the grid lines |
+//! | [`floor`] | the largest integer not above x | 0 |
 //! | [`Custom`] | closures for f, f′, f″ | f‴ by differences |
 //!
 //! ```
@@ -18,11 +18,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! All are an [`Outside`](equip_scalar::Outside): in a recording one operation, whatever stands behind it,
-//! and its derivatives another. They work in every kind of number. As sines, they are replayed from the tape
-//! and not part of machine code. A value of a [`Table`] costs 10 ns in `f64`, 0.1 µs in double-double, of a
-//! [`Table2`] 40 ns and 0.4 µs, however many intervals there are (knots crowded in one place: log₂ of their
-//! number more).
+//! All implement [`Outside`](equip_scalar::Outside). In a trace, each call is one operation, and each
+//! derivative another operation. They work in every floating-point type. Like sines, they are replayed and
+//! not compiled to machine code. A value of a [`Table`] costs 10 ns in `f64` and 0.1 µs in double-double, a
+//! value of a [`Table2`] 40 ns and 0.4 µs, for any number of intervals. For crowded knots the cost grows like
+//! log₂ of their number.
 #![forbid(unsafe_code)]
 
 mod alternating;

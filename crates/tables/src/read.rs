@@ -6,11 +6,10 @@ use crate::{Table, Table2, whole};
 use equip_scalar::Outside;
 use std::sync::Arc;
 
-/// The table of which [`Outside::to_bytes`] made these bytes; every bit of it is the same. For
-/// `Hamiltonian::from_bytes_with`.
+/// The table from the bytes of [`Outside::to_bytes`], bit for bit. For `Hamiltonian::from_bytes_with`.
 ///
 /// # Errors
-/// [`TableError`] if they are no table.
+/// [`TableError`] if the bytes are not a table.
 pub fn from_bytes(bytes: &[u8]) -> Result<Arc<dyn Outside>, TableError> {
     if whole::is_floor(bytes) {
         return Ok(whole::outside());

@@ -4,8 +4,8 @@
 //!
 //! h_{i−1} M_{i−1} + 2(h_{i−1} + h_i) M_i + h_i M_{i+1} = 6((y_{i+1} − y_i)/h_i − (y_i − y_{i−1})/h_{i−1})
 //!
-//! [de Boor 1978, chapter IV; Stoer, Bulirsch, section 2.4]. A diagonally dominant system, solved from one
-//! end to the other. Everything here is in double-double; tables in `f64` round the result.
+//! [de Boor 1978, chapter IV; Stoer, Bulirsch, section 2.4]. The system is diagonally dominant and is solved
+//! without pivoting. All arithmetic is in double-double; tables in `f64` round the result.
 
 use super::error::TableError;
 use equip_scalar::DoubleDouble;

@@ -10,18 +10,18 @@ use equip_scalar::{DoubleDouble, Num, Outside, Scalar};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-/// The cubic spline y(x) through the points (x_i, y_i), x ascending, uniform or not.
+/// The cubic spline y(x) through the points (x_i, y_i), with ascending knots x_i of any spacing.
 ///
-/// y, y′ and y″ are continuous; y‴ jumps at the knots, where it is that of the interval above. **A run whose
-/// motion leaves the table ends in an error** with the time and the argument, as there is no data beyond the
-/// first and the last knot. [`extrapolated`](Self::extrapolated) continues the polynomials of the end
-/// intervals instead; so does the value of H at a state beyond, outside of runs.
+/// y, y′ and y″ are continuous; y‴ jumps at the knots, where it has the value of the interval above. **If the
+/// motion leaves the range of the table, the run ends with an error**, which has the time and the argument.
+/// [`extrapolated`](Self::extrapolated) continues the polynomials of the end intervals instead. If you
+/// evaluate H yourself, outside of a run, H always uses the continued polynomials.
 ///
-/// x and y are doubles or double-doubles; the spline is computed in double-double, so in a double-double run
-/// it is the spline through the given numbers to 31 digits. Between smooth y with knots h apart its error is
-/// of order h⁴, of natural ends h² near them where the true y″ is not 0 there.
+/// x and y are doubles or double-doubles. The spline is computed in double-double, so in a double-double run
+/// it interpolates the given numbers to 31 digits. For smooth y its error is O(h⁴), with h the distance of
+/// the knots. Near natural ends at which the true y″ is not 0, the error is O(h²).
 ///
-/// A copy is the same table, and costs a pointer.
+/// A copy refers to the same table and costs a pointer.
 ///
 /// ```
 /// use equip_tables::Table;
@@ -40,7 +40,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// With y″ = 0 at both ends, 2 points or more.
+    /// The spline with y″ = 0 at both ends, through 2 points or more.
     ///
     /// # Errors
     /// [`TableError`] if there are too few knots, not as many values as knots, if a number is NaN or
@@ -55,7 +55,7 @@ impl Table {
         Self::new(x, y, [End::Curvature(DoubleDouble::ZERO); 2])
     }
 
-    /// With y′ given at both ends, 2 points or more.
+    /// The spline with given y′ at both ends, through 2 points or more.
     ///
     /// # Errors
     /// As [`natural`](Self::natural).
@@ -67,7 +67,7 @@ impl Table {
         Self::new(x, y, slopes.map(|slope| End::Slope(slope.into())))
     }
 
-    /// With y″ given at both ends, 2 points or more.
+    /// The spline with given y″ at both ends, through 2 points or more.
     ///
     /// # Errors
     /// As [`natural`](Self::natural).
@@ -80,8 +80,8 @@ impl Table {
         Self::new(x, y, curvatures.map(end))
     }
 
-    /// With y‴ continuous at the second and the last knot but one, 4 points or more: for y of which nothing
-    /// is known at the ends. A cubic polynomial is reproduced.
+    /// The spline with continuous y‴ at the second and the last but one knot, through 4 points or more. Use
+    /// it if nothing is known about y at the ends. It reproduces cubic polynomials.
     ///
     /// # Errors
     /// As [`natural`](Self::natural).
@@ -120,8 +120,8 @@ impl Table {
         })
     }
 
-    /// The same table, continued beyond its ends with the polynomials of its end intervals: runs go on there,
-    /// without data.
+    /// The same table, continued beyond its ends with the polynomials of its end intervals. Runs continue
+    /// there, although there is no data.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -161,7 +161,7 @@ impl Table {
     /// \[y, y′, y″, y‴\] at x, for plots and checks.
     ///
     /// # Errors
-    /// [`TableError::OutsideOfTable`] if x is not within the table.
+    /// [`TableError::OutsideOfTable`] if x is outside the range of the table.
     pub fn derivatives(&self, x: f64) -> Result<[f64; 4], TableError> {
         let (first, last) = (*self.range().start(), *self.range().end());
         if !(first <= x && x <= last) {
@@ -170,13 +170,13 @@ impl Table {
         Ok([0, 1, 2, 3].map(|order| self.interpolant.derivative([order, 0], [x, x])))
     }
 
-    /// From the first knot to the last.
+    /// The range from the first to the last knot.
     pub fn range(&self) -> RangeInclusive<f64> {
         let knots = &self.interpolant.knots;
         knots.first()..=knots.last()
     }
 
-    /// Number of intervals.
+    /// The number of intervals.
     pub fn intervals(&self) -> usize {
         self.interpolant.pieces.len()
     }

@@ -13,10 +13,10 @@ use std::sync::Arc;
 
 /// The bicubic spline z(x, y) through values on a rectangular grid: the spline in x of the splines in y.
 ///
-/// z and its derivatives up to ∂⁴z/∂x²∂y² are continuous; third ones in one variable jump at the lines of the
-/// grid. **A run whose motion leaves the grid ends in an error**, unless the table is
-/// [`extrapolated`](Self::extrapolated). Ends, numbers and errors are those of [`Table`](crate::Table).
-/// Memory: 400 bytes a cell.
+/// z and its derivatives up to ∂⁴z/∂x²∂y² are continuous; third derivatives in one variable jump at the grid
+/// lines. **If the motion leaves the grid, the run ends with an error**, unless the table is
+/// [`extrapolated`](Self::extrapolated). End conditions, accuracy and errors are those of
+/// [`Table`](crate::Table). Memory: 400 bytes per cell.
 ///
 /// ```
 /// use equip_tables::Table2;
@@ -33,8 +33,8 @@ pub struct Table2 {
 }
 
 impl Table2 {
-    /// With ∂²z/∂x² = 0 at the first and last x, ∂²z/∂y² = 0 at the first and last y; 2 knots or more each
-    /// way. The value at (x_i, y_j) is `values[i * y.len() + j]`.
+    /// The spline with ∂²z/∂x² = 0 at the first and last x, and ∂²z/∂y² = 0 at the first and last y; 2 knots
+    /// or more in each variable. The value at (x_i, y_j) is `values[i * y.len() + j]`.
     ///
     /// # Errors
     /// [`TableError`] if there are too few knots, not as many values as points of the grid, if a number is
@@ -47,8 +47,8 @@ impl Table2 {
         Self::new(x, y, values, End::Curvature(DoubleDouble::ZERO))
     }
 
-    /// With third derivatives that are continuous at the second line from each edge; 4 knots or more each
-    /// way. The value at (x_i, y_j) is `values[i * y.len() + j]`.
+    /// The spline with continuous third derivatives at the second grid line from each edge; 4 knots or more
+    /// in each variable. The value at (x_i, y_j) is `values[i * y.len() + j]`.
     ///
     /// # Errors
     /// As [`natural`](Self::natural).
@@ -94,8 +94,8 @@ impl Table2 {
         })
     }
 
-    /// The same table, continued beyond the grid with the polynomials of the cells at its edge: runs go on
-    /// there, without data.
+    /// The same table, continued beyond the grid with the polynomials of the cells at its edge. Runs continue
+    /// there, although there is no data.
     #[must_use]
     pub fn extrapolated(&self) -> Self {
         let mut table = self.clone();
@@ -116,7 +116,7 @@ impl Table2 {
     /// z(x, y), for plots and checks.
     ///
     /// # Errors
-    /// [`TableError::OutsideOfTable`] if the point is not within the grid.
+    /// [`TableError::OutsideOfTable`] if the point is outside the grid.
     pub fn value(&self, x: f64, y: f64) -> Result<f64, TableError> {
         for (x, range) in [x, y].into_iter().zip(self.range()) {
             if !range.contains(&x) {
@@ -127,7 +127,7 @@ impl Table2 {
         Ok(self.interpolant.derivative([0, 0], [x, y]))
     }
 
-    /// From the first knot to the last, of x and of y.
+    /// The ranges of x and of y, from the first to the last knot.
     pub fn range(&self) -> [RangeInclusive<f64>; 2] {
         (self.interpolant.knots.each_ref()).map(|knots| knots.first()..=knots.last())
     }

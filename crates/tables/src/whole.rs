@@ -1,4 +1,4 @@
-//! [`floor`]: the largest integer up to x, with which rounding, remainders and periodic boxes are written.
+//! [`floor`]: the largest integer not above x, for rounding, remainders and periodic boxes.
 //!
 //! The function is constant between integers. Its switching function between n and n + 1 is
 //! g = ± 4 (x − n)(n + 1 − x), with + for even n: it changes its sign at every integer, and g and g′ are
@@ -20,7 +20,7 @@ struct Waves;
 static FLOOR: LazyLock<Arc<dyn Outside>> = LazyLock::new(|| Arc::new(Floor));
 static WAVES: LazyLock<Arc<dyn Outside>> = LazyLock::new(|| Arc::new(Waves));
 
-/// The largest integer up to x, in an energy. Its derivatives are 0, and steps end where it jumps.
+/// The largest integer not above x, in an energy. Its derivatives are 0. Steps end at its jumps.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;

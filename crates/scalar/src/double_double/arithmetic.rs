@@ -1,8 +1,8 @@
 //! + − × ÷ and the remainder.
 //!
-//! Each operator runs the published algorithm and then looks at one number, the lower part of the result: it
-//! is NaN exactly when an infinity, a NaN or an overflow (also the one inside Dekker's splitting, above 2⁹⁹⁶)
-//! took part. A cold path sorts these out. The algorithms lose the sign of a zero; it is put back from the
+//! Each operator runs the published algorithm and then tests the lower part of the result. It is NaN exactly
+//! if an infinity, a NaN or an overflow occurred (including an overflow in Dekker's splitting, above 2⁹⁹⁶). A
+//! separate branch handles these cases. The algorithms lose the sign of a zero; it is restored from the
 //! leading operation.
 
 use super::natural::remainder;

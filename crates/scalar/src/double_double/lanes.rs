@@ -1,10 +1,10 @@
 //! [`DoubleDoubles`]: N double-doubles that undergo the same operations.
 //!
-//! Upper and lower words lie in [`Lanes`] of their own. Arithmetic, √, |x| and whole powers are vector
-//! instructions inside a [`Kernel`](crate::Kernel), without branches; one test of all lanes a result finds
-//! what [`DoubleDouble`] does by other means (infinities, NaN, numbers near the limits of the exponent), and
-//! then every lane is done as a `DoubleDouble`. So each lane has every bit of a computation with that number
-//! alone. The other elementary functions are N calls.
+//! Upper and lower words are in separate [`Lanes`]. Inside a [`Kernel`](crate::Kernel), arithmetic, √, |x|
+//! and integer powers are vector instructions without branches. One test per result detects infinities, NaN
+//! and numbers near the limits of the exponent in any lane; every lane is then computed as a
+//! [`DoubleDouble`]. Each lane therefore has the bits of the single number. Other elementary functions are N
+//! calls.
 
 use super::number::{DoubleDouble, dd};
 use super::transforms::{SAFE_MAX, SAFE_MIN, Word};

@@ -1,9 +1,8 @@
 //! [`DoubleDouble`]: about 31 digits, as an unevaluated sum of two `f64`.
 //!
-//! x = hi + lo with hi = RN(hi + lo), so |lo| ≤ ulp(hi)/2. Own code throughout: no libm function but the
-//! correctly rounded `sqrt` and fused multiply-add, hence the same bits on every platform. The latter is a
-//! call on plain x86-64, so that single numbers call it only where products split by Dekker are not exact; in
-//! vectors it is an instruction.
+//! x = hi + lo with hi = RN(hi + lo), so |lo| ≤ ulp(hi)/2. Of libm only the correctly rounded `sqrt` and
+//! fused multiply-add are used, hence the same bits on every platform. On plain x86-64 fused multiply-add is
+//! a call. Single numbers use it only if Dekker's splitting is not exact; in vectors it is an instruction.
 //!
 //! | | largest relative error proved or measured, in units of 2⁻¹⁰⁴ |
 //! |---|---|
@@ -15,9 +14,9 @@
 //! | xʸ | 8 + 4 \|y ln x\|, measured a fifth of it; integers up to 64 as xⁿ |
 //! | all other functions | measured 1.4 (`tests/double_double_functions`) |
 //!
-//! What it is not: correctly rounded, or monotone in the last bit. Below [`DoubleDouble::MIN_POSITIVE`] =
-//! 2⁻⁹⁶⁹ the lower part runs into the subnormal numbers and precision fades as it does for `f64` below
-//! 2⁻¹⁰²². NaN and infinities follow the rules of `f64`; both are stored with lo = 0.
+//! Results are not correctly rounded, and not monotone in the last bit. Below [`DoubleDouble::MIN_POSITIVE`]
+//! = 2⁻⁹⁶⁹ the lower part is subnormal, and precision decreases as for `f64` below 2⁻¹⁰²². NaN and infinities
+//! follow the rules of `f64`; both are stored with lo = 0.
 //!
 //! References, cited by short name in the files:
 //! - Dekker, *A floating-point technique for extending the available precision*, Numer. Math. 18 (1971).

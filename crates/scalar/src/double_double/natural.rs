@@ -1,4 +1,4 @@
-//! Whole numbers of any length: just enough to print, parse and reduce exactly.
+//! Natural numbers of any length, with the operations for exact printing, parsing and argument reduction.
 //!
 //! Schoolbook arithmetic on 32-bit limbs, least significant first [Knuth, TAOCP 2, 4.3.1]. The longest
 //! numbers that occur have about 8000 bits.

@@ -3,7 +3,7 @@
 use super::transforms::{fast_two_sum, power_of_two, two_sum};
 use std::num::FpCategory;
 
-/// About 31 digits: an unevaluated sum of two doubles, `hi` being the sum rounded.
+/// About 31 digits: an unevaluated sum of two doubles, where `hi` is the rounded sum.
 ///
 /// ```
 /// use equip_scalar::DoubleDouble;
@@ -25,7 +25,7 @@ pub(super) const fn dd(hi: f64, lo: f64) -> DoubleDouble {
 }
 
 impl DoubleDouble {
-    /// hi + lo for any two doubles: their sum, exactly.
+    /// The exact sum of two doubles.
     #[inline]
     pub fn new(hi: f64, lo: f64) -> Self {
         let (sum, rest) = two_sum(hi, lo);
@@ -51,7 +51,7 @@ impl DoubleDouble {
         self.hi
     }
 
-    /// The lower part: what [`hi`](Self::hi) leaves out.
+    /// The lower part: the rounding error of [`hi`](Self::hi).
     #[inline(always)]
     pub const fn lo(self) -> f64 {
         self.lo

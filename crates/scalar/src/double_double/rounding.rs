@@ -27,7 +27,7 @@ impl DoubleDouble {
         }
     }
 
-    /// What [`trunc`](Self::trunc) takes away.
+    /// The fractional part, x − [`trunc`](Self::trunc)(x).
     pub fn fract(self) -> Self {
         self - self.trunc()
     }

@@ -1,8 +1,7 @@
-//! The algorithms of arithmetic on pairs of words (hi, lo), a word being an `f64` or one in each of several
-//! lanes.
+//! The algorithms of arithmetic on pairs of words (hi, lo). A word is an `f64`, or one `f64` in each lane.
 //!
-//! Nothing is asked of a word but arithmetic, what a product is rounded by, and one selection, so the lanes
-//! have the bits of the numbers one by one. u = 2⁻⁵³.
+//! The algorithms use arithmetic, the rounding error of a product, and one selection of words, so the lanes
+//! have the bits of single numbers. u = 2⁻⁵³.
 
 use super::transforms::{Word, fast_two_sum, two_prod, two_sum};
 

@@ -1,5 +1,5 @@
-//! [`DoubleDouble`] and [`Constant`] by serde: as the doubles they are the sum of, largest first. Exact in
-//! formats that write doubles so that they can be read back.
+//! [`DoubleDouble`] and [`Constant`] in serde: as the doubles of their expansion, largest first. Exact in
+//! formats that write doubles exactly.
 
 use crate::{Constant, DoubleDouble, Float};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

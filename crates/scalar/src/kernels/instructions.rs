@@ -1,22 +1,21 @@
-//! [`InstructionSet`]: SIMD instructions chosen when the program runs, without build flags.
+//! [`InstructionSet`]: SIMD instructions selected at run time, without build flags.
 //!
-//! A [`Kernel`] is compiled once for each set, because its `run` is inlined into a function that may use the
-//! set's instructions. Which of them is called depends on what the processor has. Every set computes the same
-//! bits: lanes are independent, sums keep their order, and Rust never contracts a product and a sum into one
-//! rounding. Where the two are to be rounded once, [`f64::mul_add`] says so: an instruction for AVX2 and
-//! AVX-512, a call in plain builds of x86-64.
+//! A [`Kernel`] is compiled once for each instruction set, because its `run` is inlined into a function that
+//! may use that set. The processor determines which one is called. Every set computes the same bits: lanes
+//! are independent, sums keep their order, and Rust never contracts a product and a sum. Fused products are
+//! explicit calls of [`f64::mul_add`]: an instruction for AVX2 and AVX-512, a function call in plain builds
+//! of x86-64.
 //!
 //! The environment variable `EQUIP_SIMD` (`none`, `avx2` or `avx512`), read once in a program, limits the
 //! choice.
 
 use std::sync::OnceLock;
 
-/// A computation to be compiled for every instruction set. Mark `run`, and all it calls, `#[inline(always)]`:
-/// a function that is not inlined keeps the instructions of the plain build.
+/// A computation that is compiled for every instruction set. Mark `run`, and all functions that it calls,
+/// `#[inline(always)]`: a function that is not inlined uses the instructions of the plain build.
 ///
-/// It is run where it stands: a struct of slices that is moved is copied in pieces larger than those it was
-/// just written in, and the processor waits for all earlier results before it reads them (100 cycles in a
-/// stage iteration).
+/// The kernel is passed by reference. A moved struct of slices would be copied in pieces larger than those
+/// just written, and the processor would wait for all earlier results (100 cycles per stage iteration).
 pub trait Kernel {
     /// What it returns.
     type Output;
@@ -60,11 +59,10 @@ enum Level {
 }
 
 impl InstructionSet {
-    /// What every processor of the target has; on x86-64 two doubles at a time.
+    /// The instructions of every processor of the target; on x86-64 two doubles at a time.
     pub const PORTABLE: Self = InstructionSet(Level::Portable);
 
-    /// AVX2 with fused multiply-add, which all processors but a few have that have AVX2: four doubles at a
-    /// time.
+    /// AVX2 with fused multiply-add, which nearly all processors with AVX2 have: four doubles at a time.
     pub fn avx2() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
@@ -86,15 +84,15 @@ impl InstructionSet {
         None
     }
 
-    /// Those of this processor, narrowest first.
+    /// The instruction sets of this processor, narrowest first.
     pub fn available() -> impl Iterator<Item = Self> {
         [Some(Self::PORTABLE), Self::avx2(), Self::avx512()]
             .into_iter()
             .flatten()
     }
 
-    /// The widest of this processor, at most that named by `EQUIP_SIMD`; any other text there is as if it
-    /// were not set.
+    /// The widest instruction set of this processor, limited by `EQUIP_SIMD`. Any other value of this
+    /// variable has no effect.
     pub fn best() -> Self {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
         *BEST.get_or_init(|| {
@@ -107,8 +105,8 @@ impl InstructionSet {
         })
     }
 
-    /// Runs the kernel with these instructions, if they are more than those of the plain build: for kernels
-    /// that are compiled anew for every type they are used with, and are not worth it without wide vectors.
+    /// Runs the kernel if these instructions are wider than those of the plain build. For generic kernels
+    /// whose compilation pays only with wide vectors.
     #[inline(always)]
     #[cfg_attr(not(target_arch = "x86_64"), allow(unused_variables))]
     pub fn run_wide<K: Kernel>(self, kernel: &mut K) -> Option<K::Output> {

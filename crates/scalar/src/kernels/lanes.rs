@@ -1,9 +1,9 @@
 //! [`Lanes`]: N doubles that undergo the same operations.
 //!
-//! Everything is done lane by lane through the functions of `f64`, so each lane has every bit of a
-//! computation with that `f64` alone. Arithmetic, √, |x|, min, max and the selections of [`Scalar`] become
-//! vector instructions inside a [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin`
-//! over 8 lanes: 68 ns).
+//! All operations apply the functions of `f64` lane by lane, so each lane has the bits of a computation with
+//! that `f64` alone. Arithmetic, √, |x|, min, max and the selections of [`Scalar`] become vector instructions
+//! inside a [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin` over 8 lanes: 68
+//! ns).
 
 use crate::constant::Constant;
 use crate::traits::half_power::{by_squares, half_power, half_power_derivative};

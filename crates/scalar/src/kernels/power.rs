@@ -1,21 +1,20 @@
-//! log₂, 2ˣ and xᵃ to eight digits, by + − × ÷ alone: the same bits on every machine.
+//! log₂, 2ˣ and xᵃ to eight digits, by + − × ÷ alone, with the same bits on every machine.
 //!
-//! The step controller needs few digits, but a step size in which one bit differs makes another run. The
-//! functions of the C library are not rounded correctly, and on one machine they differ by the processor's
-//! instructions.
+//! The step controller needs few digits, but a step size that differs in one bit leads to another run. The
+//! functions of the C library are not correctly rounded, and differ between instruction sets on one machine.
 //!
 //! With x = 2ᵉ m, √½ ≤ m < √2 and t = (m − 1)/(m + 1),
 //!
 //! $$ \log_2 x = e + \frac{2}{\ln 2} \Big( t + \frac{t^3}{3} + \frac{t^5}{5} + \dots \Big) , $$
 //!
-//! and with n the integer next to x and f = x − n the power series of 2ᶠ. Both are cut off where the rest is
-//! below 2e-9, and 8e-9 of the value.
+//! and with n the integer next to x and f = x − n the power series of 2ᶠ. The truncation errors are below
+//! 2e-9, and below 8e-9 relative to the value.
 
 /// Bits of the fraction of an f64, and the offset of its exponent.
 const FRACTION: u32 = 52;
 const OFFSET: i64 = 1023;
 
-/// log₂ `x`, with an error of at most 2e-9; −∞ of zero, NaN of what is negative.
+/// log₂ `x`, with an error of at most 2e-9; −∞ for zero, NaN for negative numbers.
 #[inline]
 pub fn log2(x: f64) -> f64 {
     if x == 0.0 {

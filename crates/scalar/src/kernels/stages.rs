@@ -4,13 +4,13 @@ use super::instructions::{InstructionSet, Kernel};
 use super::lanes::Lanes;
 use crate::traits::{Float, Pack};
 
-/// Z_i = Σ_j K_ij L_j for every component, `stages` being the number of i and of j.
+/// Z_i = Σ_j K_ij L_j for every component, with i and j from 0 to `stages` − 1.
 ///
-/// Layout: component c of stage i stands at `c·stride + i` in `l` and `z`; K stands **column by column**,
-/// `k[j·stride + i]` = K_ij, with `stages` ≤ `stride`. The places between `stages` and `stride` of K are read
-/// and become finite places of `z` if they are finite; those of `l` are not used. The sum runs over j = 0, 1,
-/// …, with fused products of doubles, of double-doubles as one dot product ([`Pack::dot`]): the same bits on
-/// every instruction set. Cost: s² products for each component; 8 stages fill vectors of 8 doubles.
+/// Layout: component c of stage i is at `c·stride + i` in `l` and `z`; K is stored **column by column**,
+/// `k[j·stride + i]` = K_ij, with `stages` ≤ `stride`. If the padding of K is finite, so is that of `z`; the
+/// padding of `l` is not used. The sum runs over j = 0, 1, …, with fused products for doubles and one dot
+/// product for double-doubles ([`Pack::dot`]), with the same bits on every instruction set. Cost: s² products
+/// for each component; 8 stages fill vectors of 8 doubles.
 ///
 /// # Panics
 /// If `l` and `z` differ in length, or `k` has fewer than `stages` columns.

@@ -6,7 +6,7 @@ use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
-/// N numbers, of which each is worked on alone.
+/// N numbers that are processed one by one.
 #[derive(Debug, Clone, Copy)]
 pub struct Each<T, const N: usize>([T; N]);
 

@@ -1,6 +1,6 @@
-//! Elementary functions of a float of any precision, for those whose type has none of its own.
+//! Default elementary functions for floats of any precision.
 //!
-//! ε says how many terms a series has; the first 53 bits come from `f64` wherever that saves iterations.
+//! ε determines the number of terms of a series. The first 53 bits come from `f64` if this saves iterations.
 //! Measured errors are a few ε (`tests/own.rs`).
 
 use num_traits::{Float, FloatConst};

@@ -1,7 +1,8 @@
-//! [`Own`]: a float of one's own, of which only the arithmetic is written.
+//! [`Own`]: a user-defined floating-point type. The user implements only its arithmetic.
 //!
-//! A type that has + − × ÷ and negation becomes a [`Float`](crate::Float) by an [`Arithmetic`]: ten lines
-//! that give its limits and go from and to `f64`. Everything else has a default:
+//! An implementation of [`Arithmetic`] turns a type with + − × ÷ and negation into a [`Float`](crate::Float).
+//! It takes ten lines: the limits of the type and conversions from and to `f64`. Everything else has a
+//! default:
 //!
 //! ```
 //! use equip_scalar::{Arithmetic, Float, Own};
@@ -30,10 +31,10 @@
 //! # Ok::<(), equip_scalar::ParseFloatError>(())
 //! ```
 //!
-//! The defaults are right to a few ε for any ε down to 2⁻³¹⁸: arguments are reduced, doubles give the first
-//! digits, and series or one step of high order the others. They are not fast, some tens of products and
-//! quotients each; a type that has its own functions gives those instead. Decimals are read and written
-//! exactly, in the range of doubles. Tables and closures in H are known to 31 digits.
+//! The defaults have errors of a few ε, for any ε down to 2⁻³¹⁸. After argument reduction, doubles give the
+//! first digits, and a series or one step of high order the others. Each default takes some tens of products
+//! and quotients; a type with its own functions can replace them. Decimals are read and written exactly, in
+//! the range of doubles. Tables and closures in H have 31 digits.
 
 mod constants;
 mod each;
@@ -53,10 +54,10 @@ macro_rules! functions {
     )*};
 }
 
-/// What a float type brings: numbers with arithmetic, and their limits.
+/// The part of a float type that the user implements: numbers with arithmetic, and their limits.
 ///
 /// Sums and products of `Number` have a relative error of about [`EPSILON`](Self::EPSILON) or less. So have
-/// quotients, or [`over`](Self::over) mends them.
+/// quotients, unless [`over`](Self::over) replaces them.
 pub trait Arithmetic: Sized + 'static {
     /// The number itself.
     type Number: Copy

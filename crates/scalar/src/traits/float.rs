@@ -1,4 +1,4 @@
-//! [`Float`]: what the integrator computes in.
+//! [`Float`]: the floating-point types of the integrator.
 
 use super::derivatives::FirstOrder;
 use super::pack::Pack;
@@ -108,7 +108,7 @@ impl Constant {
         (is_half && (T::IS_DOUBLE || self.to::<T>() == T::exact(double))).then_some(n)
     }
 
-    /// The odd n for which it is n/2 in every float type, with |n| ≤ 15.
+    /// The odd n with |n| ≤ 15 for which the constant is n/2 in every float type.
     #[doc(hidden)]
     pub fn exact_halves(self) -> Option<i32> {
         let n = self.halves::<f64>()?;

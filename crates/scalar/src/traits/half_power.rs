@@ -1,10 +1,10 @@
 //! Powers with half-integer exponents: a root and a few products in place of exp(c ln x).
 //!
-//! x^(n/2) with n = ±(2k + 1) is xᵏ√x, or 1/(xᵏ√x). Every number takes this way, so the value is the same on
-//! all routes to the last bit. Relative error: k + 2 roundings. Cost: √ and about log₂ k products, with n < 0
-//! a division more; a fifth of that of exp and ln over lanes.
+//! x^(n/2) with n = ±(2k + 1) is xᵏ√x, or 1/(xᵏ√x). All number types use this formula, so their values agree
+//! to the last bit. Relative error: k + 2 roundings. Cost: √ and about log₂ k products, with n < 0 a division
+//! more; a fifth of that of exp and ln over lanes.
 //!
-//! As √, it is NaN at −∞, and keeps the sign of −0 where n = ±1.
+//! Like √, it is NaN at −∞, and preserves the sign of −0 for n = ±1.
 
 use crate::constant::Constant;
 use crate::traits::Scalar;

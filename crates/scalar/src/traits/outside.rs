@@ -1,13 +1,13 @@
-//! [`Outside`]: a function of one or two variables that is no composition of operations.
+//! [`Outside`]: an external function of one or two variables, not composed of operations.
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
 /// A function f(x) or f(x, y) with its derivatives, such as an interpolated table.
 ///
-/// It is the same function in every kind of number, and it is called anew at every state: what it returns may
-/// depend on its arguments only. The first derivatives are used for ∇H, the second for ∇²H; where a
-/// derivative of higher order than those that are known is requested, the result is NaN.
+/// The function is the same in every number type, and its values depend on its arguments only. It is called
+/// at every state. First derivatives are used for ∇H, second derivatives for ∇²H. If a requested derivative
+/// has a higher order than those that are known, the result is NaN.
 pub trait Outside: Debug + Send + Sync {
     /// Number of variables, 1 or 2.
     fn variables(&self) -> usize;

@@ -3,11 +3,11 @@
 use super::scalar::Scalar;
 use crate::constant::Constant;
 
-/// N numbers side by side, in the form that vector instructions take: for generic code that does the same for
-/// many numbers.
+/// N numbers side by side, as operands of vector instructions, for generic code that applies the same
+/// operations to many numbers.
 ///
-/// Each place has every bit of a computation with that number alone. In memory the numbers stay one behind
-/// the other, as `[T; N]`.
+/// Each number has the bits of a computation with that number alone. In memory the numbers are stored as `[T;
+/// N]`.
 ///
 /// ```
 /// use equip_scalar::{DoubleDouble, Float, Pack, Scalar};

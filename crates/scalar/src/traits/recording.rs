@@ -1,16 +1,16 @@
-//! [`Recording`]: the number that records what is done with it, and refuses to be looked at.
+//! [`Recording`]: the number type that traces operations. It has no value.
 //!
-//! A recorded energy is replayed at other states than the one it was recorded at; had it branched on a
-//! comparison, the replay would silently take the wrong branch. Ordinary [`Num`]s have no comparison at all.
-//! The recording one has them only to say where they stand: each notes the caller's file and line and answers
-//! `false` (or NaN), and the recording as a whole is then refused.
+//! A trace is replayed at other states. If the energy had branched on a comparison, the replay would silently
+//! use the wrong branch. Other [`Num`]s have no comparisons. The tracing [`Num`] has comparisons only to
+//! report them: each stores the file and line of its caller and returns `false` (or NaN), and the trace is
+//! then rejected.
 
 use super::scalar::Scalar;
 use crate::num::Num;
 use std::cmp::Ordering;
 use std::panic::Location;
 
-/// What was attempted with a number that has no value yet.
+/// An invalid operation on a number that has no value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Attempt {
     /// A comparison: `q[0] < 1.0`, `a == b`, `a.partial_cmp(&b)`.
@@ -19,7 +19,7 @@ pub enum Attempt {
     ReadOut,
 }
 
-/// A [`Scalar`] that stands for a value not known yet. Implemented by the tracing variable of the tape only.
+/// A [`Scalar`] without a value. Only the tracing variable implements it.
 pub trait Recording: Scalar {
     /// Notes the attempt and its place, so that the recording is refused when it ends.
     fn refuse(attempt: Attempt, location: &'static Location<'static>);
@@ -87,31 +87,31 @@ impl<S: Recording> From<Num<S>> for f64 {
 /// Read-outs people reach for. They exist on the recording variable only, compile there, and make the
 /// recording fail with the place they stand at.
 impl<S: Recording> Num<S> {
-    /// Refused: a variable being recorded has no value. Returns NaN.
+    /// Rejected: a variable has no value while H is traced. Returns NaN.
     #[track_caller]
     pub fn value(self) -> f64 {
         f64::from(self)
     }
 
-    /// Refused: a variable being recorded has no value. Returns NaN.
+    /// Rejected: a variable has no value while H is traced. Returns NaN.
     #[track_caller]
     pub fn to_f64(self) -> f64 {
         f64::from(self)
     }
 
-    /// Refused: a variable being recorded has no value. Returns `false`.
+    /// Rejected: a variable has no value while H is traced. Returns `false`.
     #[track_caller]
     pub fn is_nan(self) -> bool {
         refused::<S>(Attempt::ReadOut)
     }
 
-    /// Refused: a variable being recorded has no value. Returns `false`.
+    /// Rejected: a variable has no value while H is traced. Returns `false`.
     #[track_caller]
     pub fn is_finite(self) -> bool {
         refused::<S>(Attempt::ReadOut)
     }
 
-    /// Refused: a variable being recorded has no sign. Returns `false`.
+    /// Rejected: a variable has no sign while H is traced. Returns `false`.
     #[track_caller]
     pub fn is_sign_negative(self) -> bool {
         refused::<S>(Attempt::ReadOut)

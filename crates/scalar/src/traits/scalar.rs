@@ -1,4 +1,4 @@
-//! [`Scalar`]: what an energy may be computed with.
+//! [`Scalar`]: the number types in which an energy is evaluated.
 
 use super::outside::Outside;
 use crate::constant::Constant;
@@ -6,11 +6,11 @@ use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
-/// Arithmetic and elementary functions, and nothing that could make a program branch on the state.
+/// Arithmetic and elementary functions, without operations that could make a program branch on the state.
 ///
-/// Implemented by floats, by dual numbers and by the tracing variable of the tape. All functions are
-/// associated functions without a receiver; users meet them as methods of [`Num`](crate::Num). Special cases
-/// (NaN, infinities, domains) follow `f64`: the square root of a negative number is NaN, and so on.
+/// Floats, dual numbers and the tracing variable implement it. All functions are associated functions without
+/// a receiver; in energies they are methods of [`Num`](crate::Num). Special cases (NaN, infinities, domains)
+/// follow `f64`: the square root of a negative number is NaN, and so on.
 pub trait Scalar:
     Copy
     + Debug

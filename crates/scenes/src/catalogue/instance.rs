@@ -1,4 +1,4 @@
-//! [`Instance`]: a scene with its parameters filled in, ready to be integrated.
+//! [`Instance`]: a scene with given parameters, ready to be integrated.
 
 use super::any_model::{AnyModel, with_model};
 use super::reference::{Reference, reference_names};
@@ -12,7 +12,7 @@ use crate::reference::{self, Doubles, ReferenceData};
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
-/// A scene with its parameters filled in: H recorded, start, invariants, time scale and known solutions.
+/// A scene with given parameters: traced H, initial state, invariants, time scale and known solutions.
 #[derive(Debug)]
 pub struct Instance {
     scene: &'static Scene,
@@ -24,7 +24,7 @@ pub struct Instance {
 }
 
 impl Scene {
-    /// The scene with the given parameter values, the others at their defaults.
+    /// The scene with the given parameter values, and defaults for all others.
     ///
     /// Values are text, a decimal or a quotient of integers, so that a run in double-double reads `0.1` as
     /// 1/10.
@@ -37,8 +37,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError`], naming what is allowed, for a parameter that is unknown, given twice, not a number,
-    /// not a whole number where one is required, or out of range.
+    /// [`SceneError`], with the allowed values, for a parameter that is unknown, given twice, not a number,
+    /// not a whole number if one is required, or out of range.
     pub fn instance(&'static self, values: &[(&str, &str)]) -> Result<Instance, SceneError> {
         let values = read_all(self.name, self.parameters, values)?;
         let model = (self.build)(&values);
@@ -58,7 +58,7 @@ impl Instance {
     /// The scene, parameters and initial data of a stored reference solution (see
     /// [`reference_names`](crate::reference_names)).
     ///
-    /// Where the reference started from doubles, so does the instance, in every float type.
+    /// If the reference starts from doubles, so does the instance, in every float type.
     ///
     /// # Errors
     /// [`SceneError::UnknownReference`] for another name.
@@ -73,18 +73,18 @@ impl Instance {
         Ok(instance)
     }
 
-    /// The scene this is an instance of.
+    /// The scene of this instance.
     pub fn scene(&self) -> &'static Scene {
         self.scene
     }
 
-    /// Every parameter with its value as text, in the scene's order.
+    /// Every parameter with its value as text, in the order of the scene.
     pub fn parameters(&self) -> impl Iterator<Item = (&'static str, &str)> {
         let names = self.scene.parameters.iter().map(|p| p.name);
         names.zip(self.values.iter().map(|v| v.text.as_str()))
     }
 
-    /// H, recorded.
+    /// H, traced.
     pub fn hamiltonian(&self) -> &Hamiltonian {
         &self.hamiltonian
     }
@@ -100,31 +100,32 @@ impl Instance {
         }
     }
 
-    /// What is kept besides H.
+    /// The invariants besides H.
     pub fn invariants(&self) -> &[Invariant] {
         &self.invariants
     }
 
-    /// The natural unit of time: orbital period, 2π/ω, or what the scene's page names.
+    /// The natural unit of time: the orbital period, 2π/ω, or the unit named in the file of the scene.
     pub fn period<T: Float>(&self) -> T {
         with_model!(&self.model, m => m.period(&self.initial()))
     }
 
-    /// A fixed step at which a method of order 8 resolves the motion.
+    /// A fixed step size with which a method of order 8 resolves the motion.
     pub fn suggested_step(&self) -> f64 {
         with_model!(&self.model, m => m.step())
     }
 
-    /// An end time worth a picture.
+    /// A suitable end time.
     pub fn suggested_end(&self) -> f64 {
         with_model!(&self.model, m => m.end())
     }
 
-    /// The exact state at time `t`, where a closed form is known: cost of a few dozen elementary functions in
-    /// `T`.
+    /// The exact state at time `t`, if a closed form is known, at the cost of a few dozen elementary
+    /// functions in `T`.
     ///
-    /// Its error grows like that of the phase, some ε·t/period. A run in f64 starts from a start rounded to
-    /// f64; to measure its error alone use [`flow`](Self::flow) in a wider type, from that start.
+    /// Its error grows like the phase error, some ε·t/period. A run in `f64` starts from an initial state
+    /// rounded to `f64`. To measure the error of the run alone, use [`flow`](Self::flow) in a wider type,
+    /// from the rounded state.
     pub fn exact<T: Float>(&self, t: T) -> Option<(Vec<T>, Vec<T>)> {
         match self.start {
             None => with_model!(&self.model, m => m.exact(t)),
@@ -132,8 +133,8 @@ impl Instance {
         }
     }
 
-    /// The exact state a time `t` after any state (q, p), for scenes whose general solution is closed: kepler
-    /// (bound orbits), harmonic, pendulum, quartic.
+    /// The exact state at a time `t` after any state (q, p), for scenes whose general solution has a closed
+    /// form: kepler (bound orbits), harmonic, pendulum, quartic.
     ///
     /// # Panics
     /// If q or p is shorter than the degrees of freedom.
@@ -141,7 +142,7 @@ impl Instance {
         with_model!(&self.model, m => m.flow(start, t))
     }
 
-    /// The stored reference solution with these parameters and this start, if there is one.
+    /// The stored reference solution with these parameters and this initial state, if there is one.
     pub fn reference(&self) -> Option<Reference<'_>> {
         let data = reference::ALL.iter().find(|data| self.is_start_of(data))?;
         Some(Reference {
@@ -150,12 +151,12 @@ impl Instance {
         })
     }
 
-    /// The units that its numbers are in.
+    /// The units of positions and time.
     pub fn units(&self) -> Units {
         with_model!(&self.model, m => m.units())
     }
 
-    /// What to draw.
+    /// The type of picture.
     pub fn view(&self) -> View {
         with_model!(&self.model, m => m.view())
     }

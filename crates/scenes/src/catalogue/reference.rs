@@ -1,4 +1,4 @@
-//! [`Reference`]: a stored end state, computed once with more digits than any run here.
+//! [`Reference`]: a stored end state, computed once with more digits than the runs that use it.
 
 use super::any_model::{AnyModel, with_model};
 use crate::model::{momenta, read};
@@ -49,7 +49,7 @@ impl Reference<'_> {
     }
 }
 
-/// The names [`Instance::from_reference`](crate::Instance::from_reference) knows.
+/// The names that [`Instance::from_reference`](crate::Instance::from_reference) accepts.
 pub fn reference_names() -> impl Iterator<Item = &'static str> {
     reference::ALL.iter().map(|r| r.name)
 }

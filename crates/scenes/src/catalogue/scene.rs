@@ -9,24 +9,24 @@ use crate::scenes::{
     pythagorean, quartic, sine_gordon, spring_pendulum,
 };
 
-/// A named Hamiltonian, described; [`instance`](Scene::instance) builds it for given parameters.
+/// The description of a named Hamiltonian; [`instance`](Scene::instance) builds it for given parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene {
-    /// Name, as in `equip run kepler`.
+    /// The name, as in `equip run kepler`.
     pub name: &'static str,
-    /// Title, for people.
+    /// The title.
     pub title: &'static str,
     /// H, as text.
     pub formula: &'static str,
-    /// Where H and its initial data come from.
+    /// The source of H and its initial data.
     pub source: &'static str,
     /// Parameters with their defaults and ranges.
     pub parameters: &'static [Parameter],
-    /// What is kept besides H, as text.
+    /// The invariants besides H, as text.
     pub invariants: &'static str,
     /// Closed form or stored reference, as text.
     pub solution: &'static str,
-    /// Where the scene becomes hard, in words and numbers.
+    /// The difficulties of the scene, as text.
     pub hard: &'static str,
     pub(crate) build: fn(&[Value]) -> AnyModel,
 }

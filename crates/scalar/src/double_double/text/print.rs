@@ -1,8 +1,8 @@
 //! Binary to decimal.
 //!
-//! Every sum of doubles is a finite decimal. Its digits are computed exactly, then rounded (half to even) to
-//! the precision asked for, or to the first length in a short list that parses back to the same number: of
-//! double-doubles 31 digits and up, of which trailing zeros are dropped.
+//! Every sum of doubles is a finite decimal. Its digits are computed exactly and rounded (half to even) to
+//! the requested precision. By default the shortest of a few lengths is used that parses back to the same
+//! number (for double-doubles 31 digits or more), without trailing zeros.
 
 use super::parse::Decimal;
 use crate::double_double::natural::{Natural, unit};

@@ -1,4 +1,4 @@
-//! erf and erfc, as those of double-double, with a step and as many terms as ε asks for.
+//! erf and erfc, by the formulas of double-double; ε determines the step and the number of terms.
 //!
 //! erf x for |x| < 1: (2x/√π) exp(−x²) Σ (2x²)ⁿ/(2n + 1)!!. erfc x for x ≥ ½: the trapezoidal rule for
 //! (x/π) exp(−x²) ∫ exp(−t²)/(t² + x²) dt with the residue of the pole at t = ix [Chiarella, Reichel 1968;

@@ -1,7 +1,7 @@
 //! Exponential and logarithm, powers by them, and hyperbolic functions with their inverses.
 //!
-//! eˣ = 2ᵏ eʳ with |r| ≤ ln 2/2 and the series of eʳ − 1. Logarithms are corrected by it: a double y close to
-//! ln(1 + x) leaves ln((1 + x)e⁻ʸ), of which three terms are enough. Powers lose as many ε as |y ln x| is.
+//! eˣ = 2ᵏ eʳ with |r| ≤ ln 2/2 and the series of eʳ − 1. A logarithm is a double y close to ln(1 + x),
+//! corrected by three terms of ln((1 + x)e⁻ʸ). The error of a power is about |y ln x| ε.
 
 use super::{Real, nested, parts, scaled};
 use crate::double_double::text::parse::Decimal;
