@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Errors of runs by tolerance, in tolerances, beside DOP853 of SciPy (`rtol` = `atol` = tolerance).
+"""Errors of variable steps relative to the tolerance, compared with DOP853 of SciPy (`rtol` = `atol` = tolerance).
 
     pip install ./python scipy
-    python benches/tolerances.py            # a table of Markdown, three minutes
+    python benches/tolerances.py            # prints a Markdown table, three minutes
 
-The error is the largest of all components of (q, p) at the end, those of another unit in theirs. The right end is that of EQUIP with 16
-stages, tolerance 1e-19, in double-double; it is printed how far one with 12 stages and 1e-17 is from it.
-Tolerances are 1e-4 … 1e-13. Of each row: the error over the tolerance at four of them; the largest ratio of
-EQUIP's to DOP853's over all, of those above round-off; and how much an error above its tolerance grows at
-most from a tolerance to the next smaller one.
+The error is the largest of all components of (q, p) at the end, each in its own unit. The reference is EQUIP
+with 16 stages and tolerance 1e-19 in double-double; its difference from 12 stages and 1e-17 is printed.
+Tolerances are 1e-4 … 1e-13. Each row has the error divided by the tolerance for four of them; the largest
+ratio of the errors of EQUIP and DOP853 above round-off; and the largest growth of an error above its
+tolerance from one tolerance to the next smaller one.
 """
 
 from __future__ import annotations
@@ -123,8 +123,8 @@ CASES = {
     "comet of mass 1e-12": lambda: comet(1e-12),
     "units of 1e6": lambda: units(1e6),
     "wedge \\|q\\| (the force jumps)": wedge,
-    "½q² + 0.3 q\\|q\\| (the force bends)": bent,
-    "½q² + \\|q\\|³/6 (its derivative bends)": cubic,
+    "½q² + 0.3 q\\|q\\| (∇²H jumps)": bent,
+    "½q² + \\|q\\|³/6 (the third derivative jumps)": cubic,
     "rotating bar of two formulas": bar,
     "spline of 64 intervals": lambda: table(64),
     "spline of 1024 intervals": lambda: table(1024),

@@ -1,4 +1,4 @@
-"""Kepler's problem over a thousand periods: write H, choose a step, read what was kept."""
+"""Kepler's problem over a thousand periods: write H, choose a step, read what was conserved."""
 
 import numpy as np
 
@@ -20,7 +20,7 @@ sol = equip.solve(
     invariants={"angular momentum": lambda q, p: q[0] * p[1] - q[1] * p[0]},
 )
 
-# 3. Read what was kept: measured, not promised.
+# 3. Read what was conserved: measured, not promised.
 print(sol.certificate)
 print(f"error after 1000 periods  {np.abs(sol.q[-1] - [0.4, 0.0]).max():.1e}")
 assert sol.success and sol.certificate.energy_conserved_on_every_step

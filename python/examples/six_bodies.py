@@ -5,7 +5,7 @@ import numpy as np
 import equip
 
 # Sun, Jupiter, Saturn, Uranus, Neptune, Pluto: AU, days, solar masses. Hairer, Lubich, Wanner, Geometric
-# Numerical Integration, I.2.4; started here on circles in one plane.
+# Numerical Integration, I.2.4; here with circular initial orbits in one plane.
 G = 2.95912208286e-4
 masses = np.array(
     [1.00000597682, 9.54786104043e-4, 2.85583733151e-4, 4.37273164546e-5, 5.17759138449e-5, 7.7e-9]
@@ -38,7 +38,7 @@ print(sol.certificate)
 print("Jupiter's years:", np.diff(sol.t_events[0]).round(2), "days")
 print("Saturn after 10 000 days:", sol.sol(10_000)[0][2].round(4), "AU")
 
-# Eight clones of Jupiter, some kilometres apart, each bit for bit as if it ran alone.
+# Eight clones of Jupiter, some kilometres apart, each with the bits of a single run.
 clones = np.repeat(q0[None], 8, axis=0)
 clones[:, 1, 0] += 1e-8 * np.arange(8)
 ends = equip.ensemble(h, clones, np.repeat(p0[None], 8, axis=0), (0, 50_000))

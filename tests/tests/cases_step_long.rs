@@ -72,7 +72,7 @@ fn defects(trial: Trial<'_, f64>, invariant: &Hamiltonian, h: f64, steps: u64) -
 fn no_drift(cases: &[(&str, Parameters<'_>, f64, u64)], most: f64) -> Vec<f64> {
     let mut misses = Misses::default();
     let mut slopes = Vec::new();
-    let mut table = String::from("| | trend over a random walk's |\n|---|---|\n");
+    let mut table = String::from("| | trend / trend of a random walk |\n|---|---|\n");
     for &(name, parameters, h, steps) in cases {
         let scene = find(name).unwrap().instance(parameters).unwrap();
         let (q, p) = scene.initial::<f64>();

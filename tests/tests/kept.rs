@@ -46,7 +46,7 @@ fn orbit(stages: usize, steps_per_period: u32, periods: f64, keep: bool) -> (Run
 #[ignore = "long: .ci/figures runs it"]
 fn a_further_invariant_over_a_thousand_periods() {
     let mut table = String::from(
-        "| s, steps per period | Laplace–Runge–Lenz y, free → kept | error of the end state, free → kept | \
+        "| s, steps per period | Laplace–Runge–Lenz y, without → with | error of the end state, without → with | \
          steps uncorrected |\n|---|---|---|---|\n",
     );
     for (stages, steps) in [(3, 160), (4, 80), (4, 160), (6, 40)] {

@@ -51,7 +51,7 @@ const PENDULUM_AT_100: f64 = 0.884_381_678_716_037_7;
 #[test]
 fn fixed_steps_over_knots() {
     let mut table = String::from(
-        "| intervals | s | \\|ΔH\\| of EQUIP | of Gauss | q(100) off the cosine's |\n|---|---|---|---|---|\n",
+        "| intervals | s | \\|ΔH\\| of EQUIP | of Gauss | error of q(100) |\n|---|---|---|---|---|\n",
     );
     for (intervals, stages, most) in [
         (64, 4, 6e-5),
@@ -81,7 +81,7 @@ fn fixed_steps_over_knots() {
 #[test]
 fn by_tolerance_over_knots() {
     let mut table = String::from(
-        "| intervals, s | q(100) off | steps | that end at knots |\n|---|---|---|---|\n",
+        "| intervals, s | error of q(100) | steps | steps to a knot |\n|---|---|---|---|\n",
     );
     for (intervals, exact) in [(64, 0.884_362_795_019_53), (4096, PENDULUM_AT_100)] {
         for stages in [4, 8] {

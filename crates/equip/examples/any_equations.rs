@@ -1,4 +1,4 @@
-//! Any y' = f(y) by K = P·f(Q): predator and prey, with the gradient of a result by its start.
+//! Any y' = f(y) by K = P·f(Q): predator and prey, with the gradient with respect to the initial state.
 
 use equip::prelude::*;
 
@@ -7,10 +7,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let system = Hamiltonian::new(2, |q, p| {
         p[0] * (q[0] * (1.0 - q[1])) + p[1] * (q[1] * (q[0] - 1.0))
     })?;
-    // Lotka and Volterra's own invariant, which K knows nothing of.
+    // The invariant of Lotka and Volterra, on which K does not depend.
     let volterra = Hamiltonian::new(2, |q, _| q[0] - q[0].ln() + q[1] - q[1].ln())?;
 
-    // With P = 0 it stays 0, and K with it: "kept" says nothing here, and the steps are those of Gauss.
+    // P = 0 and K = 0 in every step: the verdict says nothing, and the steps are those of Gauss.
     let start = [1.5, 0.5];
     let method = Equip::stages(6).tolerance(1e-12);
     let there = method
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}\n", there.certificate());
     assert!(there.certificate().invariants[0].max < 1e-10);
 
-    // Back from P = (1, 0): P(0) = ∂Q_1(30)/∂Q(0), and K = P·f(Q), now worth keeping, is Q_1'(30) throughout.
+    // Backward from P = (1, 0): P(0) = ∂Q_1(30)/∂Q(0), and the conserved K = P·f(Q) is Q_1'(30).
     let (t, end, _) = there.last();
     let back = method.integrate(&system, end, &[1.0, 0.0], t..=0.0)?;
     println!("{}", back.certificate());

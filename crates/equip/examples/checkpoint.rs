@@ -1,5 +1,5 @@
-//! Stopping and going on: the second half of a run from a checkpoint of the first, with the bits of a run
-//! that did not stop.
+//! Stop and resume: the second half of a run from a checkpoint of the first half, with the bits of an
+//! uninterrupted run.
 
 use equip::integrate::NoObserver;
 use equip::prelude::*;

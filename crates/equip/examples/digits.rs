@@ -1,5 +1,5 @@
-//! Thirty digits: initial values in double-double make the whole run in it. The constant 1/3 is written so
-//! that it has as many.
+//! Thirty digits: with initial values in double-double the entire run uses double-double. The constant 1/3 in H
+//! has as many digits.
 
 use equip::prelude::*;
 

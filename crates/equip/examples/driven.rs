@@ -1,4 +1,4 @@
-//! An energy that depends on time, q'' = −q + cos(t/2), there and back; against the closed form.
+//! An energy that depends on time, q'' = −q + cos(t/2), forward and backward, compared with the closed form.
 
 use equip::prelude::*;
 
@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (t, q, p) = there.last();
     let exact = 4.0 / 3.0 * (5f64.cos() - 10f64.cos());
     println!("q(10) = {:.12}, exactly {exact:.12}", q[0]);
-    // H is not kept, and tells how much energy was put in; the certificate shows that the account is right.
+    // H is not conserved and shows the energy supplied; the certificate shows that the energy balance holds.
     let mut energy = driven.function::<f64>();
     println!(
         "H(10) − H(0) = {:.12}",

@@ -1,4 +1,4 @@
-//! Events and dense output: when a pendulum hangs straight, and where it is in between.
+//! Events and dense output: the times at which a pendulum passes the bottom, and its position between them.
 
 use equip::prelude::*;
 

@@ -1,5 +1,5 @@
-//! An energy from outside: value and gradient by other code, here a molecule's Morse potential as a library
-//! would compute it. What can be written as a closure is better written so: H is differentiated then.
+//! An external energy: other code computes value and gradient, here of a Morse potential. Prefer a closure if
+//! possible: the library then differentiates H automatically.
 
 use equip::prelude::*;
 

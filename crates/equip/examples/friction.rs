@@ -1,4 +1,4 @@
-//! Friction and forces by an energy that depends on time: a damped oscillator, against its closed form.
+//! Friction and forces by an energy that depends on time: a damped oscillator, compared with the closed form.
 
 use equip::prelude::*;
 

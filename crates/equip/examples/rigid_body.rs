@@ -1,4 +1,4 @@
-//! Rotations by quaternions: a free rigid body, against its closed form in Jacobi's elliptic functions.
+//! Rotations by quaternions: a free rigid body, compared with the closed form in Jacobi's elliptic functions.
 
 use equip::prelude::*;
 use std::f64::consts::PI;
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     })?;
     let axis = Hamiltonian::new(4, |q, p| about_axes(q, p)[1])?;
 
-    // The axes of the body are those of space at the start: q = 1, p = 2 q (0, m) with m_k = I_k ω_k.
+    // Initially the axes of the body are those of space: q = 1, p = 2 q (0, m) with m_k = I_k ω_k.
     let omega = [1.0, 0.0, 1.0];
     let m = [0, 1, 2].map(|k| inertia[k] * omega[k]);
     let (q, p) = (
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [0.0, 2.0 * m[0], 2.0 * m[1], 2.0 * m[2]],
     );
 
-    // ω(t) has the period 4 K(k), k² = 1/3 here, in units of 1 (Landau, Lifshitz, Mechanics, § 37).
+    // ω(t) has the period 4 K(k), here with k² = 1/3 (Landau, Lifshitz, Mechanics, § 37).
     let (mut a, mut b) = (1.0, (2.0_f64 / 3.0).sqrt());
     for _ in 0..6 {
         (a, b) = ((a + b) / 2.0, (a * b).sqrt());

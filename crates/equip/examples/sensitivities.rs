@@ -1,10 +1,11 @@
-//! Parameters as positions: how the period of a pendulum depends on gravity, by the tangent map.
+//! Parameters as positions: the tangent map gives the derivative of the period of a pendulum with respect to
+//! gravity.
 
 use equip::prelude::*;
 use std::f64::consts::PI;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Gravity is q[1]. No momentum p[1] is in H, so it stays what it is.
+    // Gravity is q[1]. H does not depend on p[1], so q[1] is constant.
     let pendulum = Hamiltonian::new(2, |q, p| p[0].powi(2) / 2.0 - q[1] * q[0].cos())?;
     let (angle, gravity): (f64, f64) = (2.0, 9.81);
 
@@ -20,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .tolerance(1e-13)
             .start(&pendulum, &[angle, gravity], &[0.0, 0.0], 0.0)?;
     let mut tangent = TangentMap::new(&pendulum, &mut run);
-    // ∂(q, p)/∂g begins as the direction of q[1].
+    // The initial value of ∂(q, p)/∂g is the unit vector of q[1].
     let mut by_gravity = [0.0, 1.0, 0.0, 0.0];
     tangent.advance_to(&mut run, period, &mut by_gravity)?;
     println!("{}", run.certificate());

@@ -1,4 +1,4 @@
-//! Spins by their bracket: two coupled spins, against their closed form.
+//! Spins by a bracket: two coupled spins, compared with the closed form.
 
 use equip::prelude::*;
 use std::f64::consts::PI;
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // S_1 and S_2, both of length 1, are the halves of the state.
     let (a, b) = ([1.0, 0.0, 0.0], [0.6, 0.8, 0.0]);
-    // Both turn about M = S_1 + S_2 with the rate J |M|: after half a turn they have changed places.
+    // Both rotate about M = S_1 + S_2 at the rate J |M|: after half a turn they are exchanged.
     let half = PI / (j * 3.2_f64.sqrt());
     let run = Equip::stages(6)
         .step(half / 20.0)

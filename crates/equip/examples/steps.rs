@@ -1,4 +1,4 @@
-//! Step by step, with an invariant of one's own, and with no step allowed that misses the energy.
+//! One step at a time, with a user-defined invariant. An uncorrected step ends the run with an error.
 
 use equip::integrate::Reach;
 use equip::prelude::*;

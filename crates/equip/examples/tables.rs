@@ -1,4 +1,4 @@
-//! A potential known at points: cubic spline of −cos x, beside the pendulum it was taken from.
+//! A potential given at points: the cubic spline of −cos x, compared with the pendulum itself.
 
 use equip::prelude::*;
 

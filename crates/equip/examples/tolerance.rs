@@ -1,5 +1,4 @@
-//! Variable steps: a tolerance in place of a step. Kepler's problem with e = 0.9, once around, against its
-//! closed form.
+//! Variable steps by a tolerance: Kepler's problem with e = 0.9, one revolution, compared with the closed form.
 
 use equip::prelude::*;
 use std::f64::consts::TAU;

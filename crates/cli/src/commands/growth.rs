@@ -262,7 +262,7 @@ fn header(last: u64) -> String {
     for n in powers(last) {
         let _ = write!(text, " N = {n} |");
     }
-    text += " steps per revolution | refused for their error, per step | unsolved, per step | ∇H per step | uncorrected | largest energy error | in round-off levels |\n|";
+    text += " steps per revolution | rejected, per step | unsolved, per step | ∇H per step | uncorrected | largest energy error | in round-off levels |\n|";
     text + &"---|".repeat(3 + powers(last).count() + 7)
 }
 
