@@ -375,10 +375,7 @@ fn every_changed_bit_of_a_checkpoint_is_refused() {
         bytes[place] ^= 1 << (k % 8);
         std::fs::write(home.join("c"), &bytes).unwrap();
         let text = failure(2, &home, &["kepler", "--until", "9"]);
-        assert!(
-            text.contains("is not a checkpoint of this program"),
-            "{text}"
-        );
+        assert!(text.contains("is not a checkpoint"), "{text}");
         assert!(!text.contains("remove"), "{text}");
     }
     for short in [0, 1, 30, whole.len() / 2, whole.len() - 1] {

@@ -1,5 +1,5 @@
-//! Thirty digits: with initial values in double-double the entire run uses double-double. The constant 1/3 in H
-//! has as many digits.
+//! Thirty digits: with initial values in double-double the entire run uses double-double. The constant 1/3
+//! in H has as many digits.
 
 use equip::prelude::*;
 

@@ -6,15 +6,32 @@ use twofloat::TwoFloat;
 
 struct Pairs;
 
-impl Arithmetic for Pairs { type Number = TwoFloat; const NAME: &'static str = "twofloat"; const
-MANTISSA_BITS: u32 = 106; // 2⁻¹⁰², a true bound; `TwoFloat::EPSILON` is the smallest normal number. const
-EPSILON: TwoFloat = TwoFloat::from_f64(1.9721522630525295e-31); const MAX: TwoFloat = TwoFloat::MAX; const
-MIN_POSITIVE: TwoFloat = TwoFloat::from_f64(1e-290); const INFINITY: TwoFloat = TwoFloat::INFINITY; const NAN:
-TwoFloat = TwoFloat::NAN;
+impl Arithmetic for Pairs {
+    type Number = TwoFloat;
+    const NAME: &'static str = "twofloat";
+    const MANTISSA_BITS: u32 = 106;
+    // 2⁻¹⁰², a true bound; `TwoFloat::EPSILON` is the smallest normal number.
+    const EPSILON: TwoFloat = TwoFloat::from_f64(1.9721522630525295e-31);
+    const MAX: TwoFloat = TwoFloat::MAX;
+    const MIN_POSITIVE: TwoFloat = TwoFloat::from_f64(1e-290);
+    const INFINITY: TwoFloat = TwoFloat::INFINITY;
+    const NAN: TwoFloat = TwoFloat::NAN;
 
-    fn from_f64(x: f64) -> TwoFloat { x.into() } fn to_f64(x: TwoFloat) -> f64 { x.hi() } fn sqrt(x: TwoFloat)
-    -> TwoFloat { x.sqrt() } // The quotient of the crate has only 16 digits: one correction step. fn over(x:
-    TwoFloat, y: TwoFloat) -> TwoFloat { let quotient = x / y; quotient + (x - quotient * y) / y } }
+    fn from_f64(x: f64) -> TwoFloat {
+        x.into()
+    }
+    fn to_f64(x: TwoFloat) -> f64 {
+        x.hi()
+    }
+    fn sqrt(x: TwoFloat) -> TwoFloat {
+        x.sqrt()
+    }
+    // The quotient of the crate has only 16 digits: one correction step.
+    fn over(x: TwoFloat, y: TwoFloat) -> TwoFloat {
+        let quotient = x / y;
+        quotient + (x - quotient * y) / y
+    }
+}
 
 type Number = Own<Pairs>;
 

@@ -1,4 +1,4 @@
-//! Variable steps by a tolerance: Kepler's problem with e = 0.9, one revolution, compared with the closed form.
+//! Variable steps by a tolerance: one revolution of Kepler's problem, e = 0.9, compared with the closed form.
 
 use equip::prelude::*;
 use std::f64::consts::TAU;

@@ -173,7 +173,7 @@ pub(crate) struct PaperArgs {
         equip report --peers benches/peers/out/peers.json"
 )]
 pub(crate) struct ReportArgs {
-    /// Use fewer scenes and methods; takes less than half a minute (the complete report: less than twelve minutes)
+    /// Use fewer scenes and methods: less than half a minute (complete report: less than twelve minutes)
     #[arg(long)]
     pub(crate) quick: bool,
     /// Run only parts whose name contains TEXT, for example long-runs, kepler-0.6-f64 or pendulum-dd

@@ -127,8 +127,8 @@ pub(crate) struct RunArgs {
     /// Omit the energy error of Gauss (same steps or tolerance) from the plot
     #[arg(long, help_heading = "Output")]
     pub(crate) no_compare: bool,
-    /// Write checkpoints to FILE, also after Ctrl-C and at the end of the run. If FILE exists, the run resumes
-    /// from it, with the same bits as an uninterrupted run
+    /// Write checkpoints to FILE, also after Ctrl-C and at the end of the run. If FILE exists, the run
+    /// resumes from it, with the same bits as an uninterrupted run
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) checkpoint: Option<PathBuf>,
     /// Seconds between checkpoints

@@ -128,10 +128,7 @@ impl Judge<'_> {
         let note = if let Some((_, _, why)) = expected.filter(|e| is_like(e.0, e.1)) {
             format!("{why}; {text}")
         } else if let Some(gauss) = gauss.filter(|gauss| gauss.kind == ended.kind) {
-            format!(
-                "error {text}; Gauss ends with the same error at t = {:.6}",
-                gauss.time
-            )
+            format!("error {text}; Gauss has it at t = {:.6}", gauss.time)
         } else {
             return self.faults.push(format!("error {text}"));
         };

@@ -126,7 +126,7 @@ impl<T> Event<T> {
     /// from there; `ControlFlow::Break(())` ends the run. H and the invariants are conserved at their values
     /// after the change, and fixed steps are counted from the time of the root. Costs one gradient.
     ///
-    /// Roots within 256 roundings of the time are simultaneous: the changes of all events there are applied,
+    /// Roots within 256 ε|t| are simultaneous: the changes of all events there are applied,
     /// in the order in which the events were given.
     ///
     /// The state in [`Occurrence`] is the one before the change. The states of the run are those after the
