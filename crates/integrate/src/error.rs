@@ -239,7 +239,7 @@ pub enum IntegrateError<T: Float> {
         /// The size of the step.
         step: T,
     },
-    /// An event has made a state from which the run cannot continue.
+    /// An event has changed the state to one from which the run cannot continue.
     #[error(
         "the run cannot continue from the state to which the event `{event}` changed it at t = {time}: {cause}",
         time = plain(*time))]

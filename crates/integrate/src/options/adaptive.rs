@@ -42,7 +42,7 @@ impl<T: Float> Integrator<T> {
     /// use equip_autodiff::Hamiltonian;
     /// use equip_integrate::Equip;
     ///
-    /// // Two springs; the quick one may be off by 1e-4 of its motion in a step, the slow one by 1e-12.
+    /// // Two springs: an error of 1e-4 per step is allowed for the fast one, 1e-12 for the slow one.
     /// let springs = Hamiltonian::new(2, |q, p| {
     ///     0.5 * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + 100.0 * q[1] * q[1])
     /// })?;

@@ -1,4 +1,4 @@
-//! [`Tolerance`]: step sizes by a tolerance.
+//! [`Tolerance`]: variable step sizes by a tolerance.
 
 use crate::control::estimate::Allowed;
 use crate::error::IntegrateError;

@@ -7,8 +7,8 @@ use equip_scalar::Float;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[non_exhaustive]
 pub enum Reach {
-    /// At most by a few errors of the step itself. Otherwise the step is accepted with α = 0 and counted as
-    /// uncorrected, and its energy error is left to a later step.
+    /// At most by a small multiple of the local error. Otherwise the step is accepted with α = 0 and counted
+    /// as uncorrected; a later step may remove its energy error.
     #[default]
     WithinError,
     /// As far as the bound of the α_k allows.

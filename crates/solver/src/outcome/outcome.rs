@@ -21,7 +21,7 @@ pub enum Outcome {
     /// Uncorrected: the energy would require an α beyond its bound, or an α for which the stages do not
     /// converge.
     BeyondBound,
-    /// Uncorrected: α would change the end point more than the step's own error allows.
+    /// Uncorrected: α would change the end point by more than the bound, a multiple of the local error.
     TooFar,
     /// Uncorrected: the step does not resolve its fastest motion. Its energy error belongs to that motion,
     /// and α would correct the slow motion instead.
@@ -63,7 +63,7 @@ impl Outcome {
         )
     }
 
-    /// Whether the energy error of the step is left to a later step.
+    /// Whether the step is uncorrected: its energy error was not removed.
     pub fn is_uncorrected(self) -> bool {
         matches!(
             self,

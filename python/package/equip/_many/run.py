@@ -173,7 +173,7 @@ def ensemble(
     times = (start[0], end[0])
     if isinstance(step, (int, float)) and (end[0] - start[0]) * step < 0:
         raise ValueError(
-            f"steps of {step} lead from {start[0]} away from {end[0]}; give a step without a sign"
+            f"steps of {step} from {start[0]} lead away from {end[0]}; give a step without a sign"
         )
     chunk = whole(chunk, "chunk", 1)
     check_executor(executor)
