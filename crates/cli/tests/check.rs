@@ -66,6 +66,8 @@ fn a_known_deficit_has_its_figure_and_does_not_fail() {
         end.contains("1 rows: 0 pass, 0 expected errors, 0 explained, 1 known deficits, 0 fail")
     );
     let help = String::from_utf8(check(&["--help"]).stdout).unwrap();
+    // Lines are wrapped.
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(help.contains("at most 3 times that of Gauss") && help.contains("known deficit"));
 }
 

@@ -199,8 +199,8 @@ pub(crate) struct ReportArgs {
 fn check_help() -> String {
     format!(
         "A row is a case with its setting. Every row is integrated with EQUIP and with Gauss on the same steps. A row \
-        passes if every step has an outcome; the energy error is within {LEVELS} round-off levels of H on every step \
-        that is not uncorrected; quadratic invariants are conserved to round-off; the energy error of uncorrected steps \
+        passes if every step has an outcome; the energy error is within {LEVELS} round-off levels of H on every step, \
+        except uncorrected steps, whose energy error could not be removed; quadratic invariants are conserved to round-off; the energy error of uncorrected steps \
         is at most {UNCORRECTED} times that of Gauss; and the trajectory error is at most {TRAJECTORY} times that of \
         Gauss (for unresolved fast oscillations, the error of the slow variables).\n\n\
         A row whose trajectory error is known to exceed this limit is a known deficit. It does not fail.\n\n\
