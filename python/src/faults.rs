@@ -12,14 +12,14 @@ create_exception!(
     equip,
     IntegrationError,
     PyRuntimeError,
-    "A step could not be made. The text says what to change."
+    "A step failed. The message says what to change."
 );
 
 create_exception!(
     equip,
     FileFormatError,
     PyValueError,
-    "A file is damaged, or not one that this version of equip has written."
+    "A file is damaged, or was not written by this version of equip."
 );
 
 create_exception!(

@@ -87,7 +87,7 @@ def test_other_runs_are_refused(kepler, tmp_path):
         equip.solve(other, *START, (0, 2), step=0.125, checkpoint=path)
     path.write_text("{}")
     with pytest.raises(
-        ValueError, match="is no checkpoint of this version: .*; give another path, or remove"
+        ValueError, match="is not a checkpoint of this version: .*; give another path, or remove"
     ):
         equip.solve(kepler, *START, (0, 2), step=0.125, checkpoint=path)
     with pytest.raises(OSError, match="nowhere"):

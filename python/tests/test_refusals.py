@@ -158,7 +158,7 @@ REFUSALS = {
     ),
     "sine of a comparison": (
         lambda q, p: np.sin(q > 0).sum(),
-        "a comparison of variables of H is no number: choose by np.where(condition, a, b)",
+        "a comparison of variables of H is not a number: choose by np.where(condition, a, b)",
     ),
     "cos of np.array": (lambda q, p: np.cos(np.array([q[0], 2.0])).sum(), mixed("cos")),
     "arctan2 of np.array": (lambda q, p: np.arctan2(2.0, np.array([q[0], p[0]])).sum(), mixed("arctan2")),

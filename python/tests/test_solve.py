@@ -259,7 +259,7 @@ def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, "not finite .H = -inf.; start elsewhere", [0, 0], [0, 1], (0, 1))
     fails(kepler, r"q0 has shape \(3,\), but this Hamiltonian needs \(2,\)", [1, 2, 3], [0, 1], (0, 1))
     fails(kepler, "q0 is complex; it must be real", [1j, 0], [0, 1], (0, 1))
-    fails(kepler, "q0: .*is no number", [None, 0], [0, 1], (0, 1))
+    fails(kepler, "q0: .*is not a number", [None, 0], [0, 1], (0, 1))
     fails(kepler, "`one` is not a decimal|one", ["one", "0"], [0, 1], (0, 1))
     fails(kepler, r"output time 2 \(number 1\) must lie between 0 and 1", t_eval=[0.5, 2])
     fails(kepler, "sorted in the direction of the run", t_eval=[0.5, 0.25])

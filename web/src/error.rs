@@ -29,7 +29,7 @@ pub enum FormulaError {
         instead: &'static str,
     },
     /// Digits and points that are no finite number.
-    #[error("`{text}` at character {at} is no finite number: write one such as 0.5 or 1e-3")]
+    #[error("`{text}` at character {at} is not a finite number: write one such as 0.5 or 1e-3")]
     Number {
         /// Digits and points.
         text: String,
@@ -47,7 +47,7 @@ pub enum FormulaError {
         names: String,
     },
     /// A name before a parenthesis that is no function.
-    #[error("`{name}` at character {at} is no function: write {instead}")]
+    #[error("`{name}` at character {at} is not a function: write {instead}")]
     UnknownFunction {
         /// The name.
         name: String,
@@ -81,7 +81,7 @@ pub enum FormulaError {
     },
     /// A comma between no arguments.
     #[error(
-        "the comma at character {at} separates no arguments of a function: write a decimal point in a number, 1.5"
+        "the comma at character {at} does not separate arguments of a function: write a decimal point in a number, 1.5"
     )]
     Comma {
         /// Its place.

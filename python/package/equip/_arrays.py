@@ -30,7 +30,7 @@ SELECTED = (
 )
 SPARSE = "a sparse matrix cannot be multiplied with variables of H: write A.toarray() @ q"
 MASKED = "a masked array cannot be used in H: write array.filled(value)"
-CONDITION = "a comparison of variables of H is no number: choose by np.where(condition, a, b)"
+CONDITION = "a comparison of variables of H is not a number: choose by np.where(condition, a, b)"
 UNDEFINED = (
     "np.select has no value where none of its conditions holds: give a default, or a last condition that is "
     "True (in sympy.Piecewise too)"

@@ -94,7 +94,7 @@ pub(crate) fn split(x: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
         let name = x.get_type().name()?;
         let kind = name.to_cow()?;
         return Err(PyTypeError::new_err(format!(
-            "{kind} is no number; give float, int, Fraction, Decimal, np.longdouble or a decimal as text"
+            "{kind} is not a number; give float, int, Fraction, Decimal, np.longdouble or a decimal as text"
         )));
     };
     let x = c.to::<DoubleDouble>();

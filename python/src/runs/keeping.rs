@@ -36,7 +36,7 @@ impl Keeping {
         match std::fs::read(&self.path) {
             Ok(text) => serde_json::from_slice(&text).map(Some).map_err(|error| {
                 FileFormatError::new_err(format!(
-                    "{shown} is no checkpoint of this version: {error}; give another path, or remove the file"
+                    "{shown} is not a checkpoint of this version: {error}; give another path, or remove the file"
                 ))
             }),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),

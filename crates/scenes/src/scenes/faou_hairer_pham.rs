@@ -18,7 +18,7 @@ scene! {
     source: "Faou, Hairer, Pham, Energy conservation with non-symplectic methods: examples and counter-examples, BIT 44 (2004)",
     invariants: "none besides H",
     solution: "none stored",
-    hard: "H(start) = 0 and the kinetic part is not quadratic: relative energy errors mean nothing, the positions alone are no unknowns",
+    hard: "H(start) = 0 and the kinetic part is not quadratic: relative energy errors are meaningless, and the positions alone cannot be the unknowns",
 }
 
 impl Model for FaouHairerPham {
