@@ -3,6 +3,7 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{Equip, Gauss, IntegrateError, Outcome, Stepper};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 fn pendulum() -> Hamiltonian {
     Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap()
@@ -246,4 +247,29 @@ fn a_step_that_fails_in_its_second_part_forgets_no_floor() {
     let (round_off, of_late) = (round_off_back(&mut run), round_off_back(&mut smooth));
     println!("{round_off:e} {of_late:e}");
     assert!(round_off > 0.9 * of_late);
+}
+
+/// ∇²H of an external energy is computed of gradients, and the certificate counts these.
+#[test]
+fn gradients_of_differences_are_counted() {
+    static CALLS: AtomicU64 = AtomicU64::new(0);
+    let external = Hamiltonian::external(
+        1,
+        f64::EPSILON,
+        |q, p| 0.5 * p[0] * p[0] - q[0].cos(),
+        |q, p, dq, dp| {
+            CALLS.fetch_add(1, Ordering::Relaxed);
+            (dq[0], dp[0]) = (q[0].sin(), p[0]);
+        },
+    );
+    let method = Equip::stages(3).step(0.1);
+    let run = method.integrate(&external.unwrap(), &[1.0], &[0.0], 0.0..=20.0);
+    let counts = run.unwrap().certificate().counts;
+    let calls = CALLS.load(Ordering::Relaxed);
+
+    assert!(counts.hessians > 0);
+    assert!(
+        (calls - 100..=calls).contains(&counts.gradients),
+        "{calls} calls, {counts:?}"
+    );
 }

@@ -257,6 +257,15 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
+    /// The number of gradients for ∇²H at one point: 2n for an external energy, whose ∇²H is computed by
+    /// differences, 0 otherwise.
+    pub fn gradients_of_hessian(&self) -> u64 {
+        match &self.source {
+            External(external) => 4 * external.of.structure.degrees_of_freedom as u64,
+            Traced(_) | WithGradient(..) => 0,
+        }
+    }
+
     /// T(p) of H = T(p) + U(q), if H is separable, T is quadratic and the bracket is canonical. Evaluates ∇²T
     /// once. Allocates.
     pub fn kinetic(&mut self) -> Option<Kinetic<T>> {

@@ -1,5 +1,7 @@
 //! How a step ended, and the counts of work and outcomes.
 
+use equip_autodiff::Evaluator;
+use equip_scalar::Float;
 use std::fmt;
 
 /// How a step ended. Every step has exactly one outcome; a halved step has the outcome of its worse half.
@@ -90,7 +92,7 @@ pub struct Counts {
     /// Complex systems factorised for one ∇²H: ⌈s/2⌉ for each preconditioner, of size 2m, or m for separable
     /// H.
     pub simplified_factorisations: u64,
-    /// Evaluations of ∇H at one point.
+    /// Evaluations of ∇H at one point, including those of differences for ∇²H.
     pub gradients: u64,
     /// Evaluations of H alone, to measure an energy that is not a constraint.
     pub energies: u64,
@@ -155,6 +157,13 @@ impl Counts {
     /// Steps with the given outcome.
     pub fn outcome(&self, outcome: Outcome) -> u64 {
         self.outcomes.0[outcome as usize]
+    }
+
+    /// Adds ∇²H at this number of points, and the gradients of which it is computed.
+    pub(crate) fn add_hessians<T: Float>(&mut self, points: usize, energy: &Evaluator<T>) {
+        let points = points as u64;
+        self.hessians += points;
+        self.gradients += points * energy.gradients_of_hessian();
     }
 
     /// The number of uncorrected steps.

@@ -145,7 +145,7 @@ impl<T: Float> Choice<T> {
             Kind::Full => {
                 self.amplification = f64::INFINITY;
                 self.hessian.resize(self.structure.hessian.len(), T::int(0));
-                counts.hessians += iterate.stages() as u64;
+                counts.add_hessians(iterate.stages(), energy);
                 counts.factorisations += 1;
                 let pattern = &self.structure.hessian;
                 let full = self
@@ -157,7 +157,7 @@ impl<T: Float> Choice<T> {
             }
             _ if is_made => true,
             kind => {
-                counts.hessians += 1;
+                counts.add_hessians(1, energy);
                 self.hessian.resize(self.structure.hessian.len(), T::int(0));
                 self.mean(method, iterate, y);
                 energy.hessian(&self.state, &mut self.hessian);

@@ -175,7 +175,8 @@ impl<T: Float> Core<T> {
         if !is_rounding && !bounds.is_small(needed) {
             return Err(Outcome::TooFar);
         }
-        self.counts.hessians += self.stages.iterate.stages() as u64;
+        let stages = self.stages.iterate.stages();
+        self.counts.add_hessians(stages, &self.energy);
         if !(solver.direction).linearise(&self.stages.iterate, &mut self.energy) {
             return Err(Outcome::NoEffect);
         }
