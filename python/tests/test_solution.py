@@ -158,6 +158,13 @@ def test_sections():
         sol.section(1, 4)
 
 
+def test_a_run_without_a_step_has_no_verdict():
+    h = equip.scenes.kepler()
+    sol = equip.solve(h, h.q0, h.p0, (0, 0))
+    assert sol.certificate.counts.steps == 0
+    assert sol.certificate.energy_conserved_to_round_off == "no step was made"
+
+
 def test_matplotlib_is_imported_on_call_only():
     import subprocess
     import sys

@@ -104,8 +104,9 @@ class Certificate:
     `str` gives the text that the program `equip` prints. Notebooks show a table.
     """
 
-    #: The verdict, the first line: "yes, on every step", "NO: " with the reason, or "not requested" (for
-    #: example Gauss) with the largest error. `energy_conserved_on_every_step` is the verdict as a boolean.
+    #: The verdict, the first line: "yes, on every step", "NO: " with the reason, "not requested" (for example
+    #: Gauss) with the largest error, or "no step was made". `energy_conserved_on_every_step` is the verdict as
+    #: a boolean, true if there is no step.
     energy_conserved_to_round_off: str
     method: str
     #: "f64" or "dd".

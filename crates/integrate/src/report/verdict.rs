@@ -29,7 +29,7 @@ impl<T: Float> Certificate<T> {
         }
         match self.reason() {
             Some(reason) => format!("NO: {reason}"),
-            None if self.counts.steps == 0 => "yes, no step was made".to_owned(),
+            None if self.counts.steps == 0 => "no step was made".to_owned(),
             None => "yes, on every step".to_owned(),
         }
     }
