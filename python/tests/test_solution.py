@@ -156,6 +156,10 @@ def test_sections():
         sol.section(1, 3, event=2)
     with pytest.raises(ValueError, match="components of .* are 0 to 3"):
         sol.section(1, 4)
+    with pytest.raises(TypeError, match="x is 'q0'; .* 0 to 1 for q and 2 to 3 for p, .* 2 events"):
+        sol.section("q0", "p0")
+    with pytest.raises(TypeError, match="event is None"):
+        sol.section(1, 3, event=None)
 
 
 def test_a_run_without_a_step_has_no_verdict():

@@ -239,8 +239,21 @@ class Solution:
             Number of the event in the order in which `events` were given.
         ax
             Axes to draw into, for instance those of another solution; the default is new axes.
+
+        Raises
+        ------
+        TypeError
+            If x, y or event is not an integer.
+        ValueError
+            If there is no such component or event.
         """
         n = self.y.shape[1]
+        for name, number in (("x", x), ("y", y), ("event", event)):
+            if not hasattr(number, "__index__"):
+                raise TypeError(
+                    f"{name} is {number!r}; give a number: components of (q, p) are 0 to {n // 2 - 1} for q "
+                    f"and {n // 2} to {n - 1} for p, and the run has {len(self.y_events)} events"
+                )
         if not 0 <= event < len(self.y_events):
             raise ValueError(
                 f"event is {event}, but the run has {len(self.y_events)} events: give `events` to solve"
