@@ -44,7 +44,7 @@ pub(crate) fn value_error(error: impl ToString) -> PyErr {
 }
 
 /// What a run or a step ended with: bad input is a `ValueError`, a fault on the way an `IntegrationError`.
-pub(crate) fn of_run<T: Float>(error: &IntegrateError<T>) -> PyErr {
+pub(crate) fn of_run<T: Float>(error: IntegrateError<T>) -> PyErr {
     match error {
         IntegrateError::EventTooRough { .. }
         | IntegrateError::ChangedState { .. }

@@ -8,6 +8,12 @@ use pyo3::prelude::*;
 /// A number as Python hands it over: an unevaluated sum of two doubles.
 pub(crate) type Pair = (f64, f64);
 
+/// Upper and lower words of numbers; without lower ones they are doubles.
+pub(crate) type Pairs = (Vec<f64>, Vec<f64>);
+
+/// An array of doubles.
+pub(crate) type Doubles<'py> = Bound<'py, PyArray1<f64>>;
+
 /// A number type that runs from Python can have.
 pub(crate) trait Number: Float<Pack<4>: Send, Pack<8>: Send> {
     fn read(pair: Pair) -> Self;
@@ -17,7 +23,7 @@ pub(crate) trait Number: Float<Pack<4>: Send, Pack<8>: Send> {
         self.to_f64()
     }
 
-    fn read_all((high, low): &(Vec<f64>, Vec<f64>)) -> Vec<Self> {
+    fn read_all((high, low): &Pairs) -> Vec<Self> {
         let rest = low.iter().copied().chain(std::iter::repeat(0.0));
         high.iter().copied().zip(rest).map(Self::read).collect()
     }
@@ -47,7 +53,7 @@ impl Number for DoubleDouble {
 pub(crate) fn arrays<'py, T: Number>(
     py: Python<'py>,
     numbers: impl Iterator<Item = T>,
-) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
+) -> (Doubles<'py>, Doubles<'py>) {
     let (high, low): (Vec<f64>, Vec<f64>) = numbers.map(|x| (x.high(), x.low())).unzip();
     (high.into_pyarray(py), low.into_pyarray(py))
 }

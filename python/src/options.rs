@@ -1,7 +1,7 @@
 //! [`Options`]: method, steps and what is wanted of a run, as the Python code hands them over.
 
 use crate::faults::value_error;
-use crate::number::{Number, Pair};
+use crate::number::{Number, Pair, Pairs};
 use crate::recording::recorded::Recorded;
 use equip::integrate::{Alphas, Integrator, Preconditioner, Reach};
 use equip::prelude::*;
@@ -28,14 +28,14 @@ pub(crate) struct Options {
     measure_energy: bool,
     pub(crate) step: Option<Pair>,
     tolerance: f64,
-    rtol: Option<(Vec<f64>, Vec<f64>)>,
-    atol: Option<(Vec<f64>, Vec<f64>)>,
+    rtol: Option<Pairs>,
+    atol: Option<Pairs>,
     first_step: Option<f64>,
     min_step: f64,
     max_step: f64,
     max_steps: u64,
     record: u64,
-    t_eval: (Vec<f64>, Vec<f64>),
+    t_eval: Pairs,
     dense: bool,
     chaos: bool,
     invariants: Vec<(String, Py<Recorded>)>,

@@ -1,6 +1,7 @@
 //! Scenes: named Hamiltonians with a start and a time scale.
 
 use crate::faults::value_error;
+use crate::number::Pairs;
 use crate::recording::recorded::Recorded;
 use crate::runs::patience::patiently;
 use equip::prelude::{DoubleDouble, Hamiltonian};
@@ -8,10 +9,7 @@ use equip::scenes;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Two doubles each.
-pub(crate) type Pairs = (Vec<f64>, Vec<f64>);
-
-pub(crate) fn pairs(all: &[DoubleDouble]) -> Pairs {
+fn pairs(all: &[DoubleDouble]) -> Pairs {
     all.iter().map(|x| (x.hi(), x.lo())).unzip()
 }
 

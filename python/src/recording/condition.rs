@@ -1,7 +1,8 @@
 //! [`Condition`]: a comparison of variables, by which `np.where` chooses.
 
-use crate::recording::variable::{COMPARED, Variable, apply, call, number};
+use crate::recording::variable::{COMPARED, Variable, called_by_numpy, number};
 use equip::prelude::Var;
+use pyo3::basic::CompareOp;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -93,26 +94,32 @@ impl Condition {
     fn __bool__(&self) -> PyResult<bool> {
         Err(PyTypeError::new_err(COMPARED))
     }
-    #[pyo3(signature = (ufunc, method, *inputs, **keywords))]
-    fn __array_ufunc__(
-        &self,
-        ufunc: &Bound<'_, PyAny>,
-        method: &Bound<'_, PyAny>,
-        inputs: &Bound<'_, PyTuple>,
-        keywords: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Py<PyAny>> {
-        apply(ufunc, method, inputs, keywords)
-    }
-    fn __array_function__(
-        &self,
-        function: &Bound<'_, PyAny>,
-        _types: &Bound<'_, PyAny>,
-        arguments: &Bound<'_, PyTuple>,
-        keywords: &Bound<'_, PyDict>,
-    ) -> PyResult<Py<PyAny>> {
-        call(function, arguments, keywords)
-    }
     fn __repr__(&self) -> &'static str {
         "<condition of H>"
+    }
+}
+
+called_by_numpy!(Condition);
+
+#[pymethods]
+impl Variable {
+    /// A condition, for `np.where`; equality holds almost nowhere.
+    fn __richcmp__(&self, other: &Bound<'_, PyAny>, op: CompareOp) -> PyResult<Py<PyAny>> {
+        let py = other.py();
+        if matches!(op, CompareOp::Eq | CompareOp::Ne) {
+            return Err(PyTypeError::new_err(COMPARED));
+        }
+        let x = self.here()?;
+        let Some(y) = number(other)? else {
+            return Ok(py.NotImplemented());
+        };
+        let (test, is_where_negative) = match op {
+            CompareOp::Ge => (x - y, false),
+            CompareOp::Lt => (x - y, true),
+            CompareOp::Le => (y - x, false),
+            _ => (y - x, true),
+        };
+        let condition = Condition::new(self.of(test), is_where_negative);
+        Ok(Py::new(py, condition)?.into_any())
     }
 }

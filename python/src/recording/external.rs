@@ -1,6 +1,7 @@
 //! [`external`]: an energy whose value and gradient are functions of Python.
 
 use crate::faults::value_error;
+use crate::number::Doubles;
 use equip::prelude::Hamiltonian;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -16,15 +17,13 @@ impl Raised {
         first.get_or_insert(error);
     }
 
-    /// Forgets what an earlier call has left.
-    pub(crate) fn forget(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
-    }
-
-    /// `made`, or that exception: what a run says then is its consequence.
-    pub(crate) fn or<R>(&self, made: PyResult<R>) -> PyResult<R> {
-        let first = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
-        first.map_or(made, Err)
+    /// What `work` makes, or that exception: what a run says then is its consequence. What an earlier call has
+    /// left is forgotten.
+    pub(crate) fn or<R>(&self, work: impl FnOnce() -> PyResult<R>) -> PyResult<R> {
+        let take = || self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        take();
+        let made = work();
+        take().map_or(made, Err)
     }
 }
 
@@ -62,11 +61,7 @@ pub(crate) fn external(
     Hamiltonian::external(m, accuracy, value, gradient).map_err(value_error)
 }
 
-fn arrays<'py>(
-    py: Python<'py>,
-    q: &[f64],
-    p: &[f64],
-) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
+fn arrays<'py>(py: Python<'py>, q: &[f64], p: &[f64]) -> (Doubles<'py>, Doubles<'py>) {
     (PyArray1::from_slice(py, q), PyArray1::from_slice(py, p))
 }
 

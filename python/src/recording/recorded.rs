@@ -1,14 +1,13 @@
 //! [`Recorded`]: a function of (q, p) recorded from a Python callable, that of a scene, or an external one.
 
 use crate::faults::value_error;
-use crate::recording::constant::constant;
+use crate::number::Doubles;
 use crate::recording::external::{Raised, external};
-use crate::recording::variable::{Begun, Variable};
-use crate::runs::patience::{Stop, lock, patiently};
-use equip::autodiff::BuildError;
-use equip::autodiff::Formula;
+use crate::recording::variable::{self, Begun, Variable};
+use crate::runs::patience::{Stop, lock, patiently, patiently_if};
+use equip::autodiff::{BuildError, Formula};
 use equip::prelude::{Hamiltonian, Var};
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -16,7 +15,6 @@ use std::cell::RefCell;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-type Doubles<'py> = Bound<'py, PyArray1<f64>>;
 type Evaluator = equip::autodiff::Evaluator<f64>;
 
 /// Operations and positions of an H of which all is made ready, and evaluated once, within some
@@ -64,14 +62,9 @@ impl Recorded {
         py: Python<'_>,
         f: impl FnOnce(&Hamiltonian) -> R + Send + 'static,
     ) -> PyResult<R> {
-        self.raised.forget();
-        let made = if self.is_large() {
-            let hamiltonian = self.hamiltonian.clone();
-            patiently(py, move |_| f(&hamiltonian))
-        } else {
-            Ok(f(&self.hamiltonian))
-        };
-        self.raised.or(made)
+        let hamiltonian = self.hamiltonian.clone();
+        let work = move || f(&hamiltonian);
+        self.raised.or(|| patiently_if(self.is_large(), py, work))
     }
 
     /// Values for each of the states in `y`, one after the other, `width` numbers each.
@@ -83,7 +76,6 @@ impl Recorded {
     ) -> PyResult<Doubles<'py>> {
         let (py, y, n) = (y.py(), y.as_slice()?, self.width());
         let states = y.len() / n;
-        self.raised.forget();
         let evaluate =
             move |held: &mut Option<Evaluator>, h: &Hamiltonian, y: &[f64], stop: &Stop| {
                 let mut results = vec![0.0; y.len() / n * width];
@@ -98,10 +90,11 @@ impl Recorded {
                 results
             };
         let is_short = states.saturating_mul(width).saturating_mul(self.length) <= SHORT;
-        let made = if is_short && !self.is_large() {
-            let mut held = lock(py, &self.evaluator)?;
-            Ok(evaluate(&mut held, &self.hamiltonian, y, &Stop::default()))
-        } else {
+        let values = self.raised.or(|| {
+            if is_short && !self.is_large() {
+                let mut held = lock(py, &self.evaluator)?;
+                return Ok(evaluate(&mut held, &self.hamiltonian, y, &Stop::default()));
+            }
             // The lock is taken there: it may be held by work that nobody waits for any more.
             let (y, h) = (y.to_vec(), self.hamiltonian.clone());
             let held = Arc::clone(&self.evaluator);
@@ -109,8 +102,8 @@ impl Recorded {
                 let mut held = held.lock().unwrap_or_else(PoisonError::into_inner);
                 evaluate(&mut held, &h, &y, stop)
             })
-        };
-        Ok(self.raised.or(made)?.into_pyarray(py))
+        })?;
+        Ok(values.into_pyarray(py))
     }
 }
 
@@ -182,19 +175,12 @@ impl Recorded {
     /// The function of `m` positions of which `to_bytes` made the bytes.
     #[staticmethod]
     fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
-        let length = bytes.len();
-        let read = |bytes: &[u8]| {
+        let (length, bytes) = (bytes.len(), bytes.to_vec());
+        let found = patiently_if(length > SMALL, py, move || {
             let table = |bytes: &[u8]| equip::tables::from_bytes(bytes).ok();
-            Hamiltonian::from_bytes_with(bytes, table)
-        };
-        let found = if length <= SMALL {
-            read(bytes)
-        } else {
-            let bytes = bytes.to_vec();
-            patiently(py, move |_| read(&bytes))?
-        };
-        let found = found.map_err(value_error)?;
-        Ok(Recorded::new(found, length))
+            Hamiltonian::from_bytes_with(&bytes, table)
+        });
+        Ok(Recorded::new(found?.map_err(value_error)?, length))
     }
 
     /// Those of the user: time is none.
@@ -270,11 +256,7 @@ fn finish(
     }
     let formula = made.map_err(value_error)?;
     let length = formula.len();
-    let hamiltonian = if length <= SMALL {
-        formula.hamiltonian()
-    } else {
-        patiently(py, move |_| formula.hamiltonian())?
-    };
+    let hamiltonian = patiently_if(length > SMALL, py, move || formula.hamiltonian())?;
     Ok(Recorded::new(hamiltonian.map_err(value_error)?, length))
 }
 
@@ -320,11 +302,8 @@ fn variables(all: &[Var], recording: u64) -> Vec<Variable> {
 
 /// What a function called `name` has returned.
 fn number(found: &Bound<'_, PyAny>, name: &str) -> PyResult<Var> {
-    if let Ok(found) = found.cast::<Variable>() {
-        return found.get().here();
-    }
-    match constant(found)? {
-        Some(c) => Ok(Var::from(c)),
+    match variable::number(found)? {
+        Some(found) => Ok(found),
         None => Err(PyTypeError::new_err(format!(
             "{name} must return one number made of q and p; it returned {}",
             found.get_type().name()?.to_cow()?

@@ -1,21 +1,14 @@
 //! [`Table`]: splines through data, for use within H.
 
 use crate::faults::value_error;
+use crate::number::{Doubles, Number, Pair, Pairs};
 use crate::recording::variable::{Variable, number};
 use equip::prelude::{DoubleDouble, Table as Spline, Table2 as Surface, Var};
 use equip::scalar::Num;
 use equip::tables::TableError;
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-
-type Pairs = (Vec<f64>, Vec<f64>);
-type Doubles<'py> = Bound<'py, PyArray1<f64>>;
-
-fn read((high, low): Pairs) -> Vec<DoubleDouble> {
-    let pairs = high.into_iter().zip(low);
-    pairs.map(|(hi, lo)| DoubleDouble::new(hi, lo)).collect()
-}
 
 enum Kind {
     One(Spline),
@@ -39,11 +32,11 @@ impl Table {
         x: Pairs,
         y: Pairs,
         ends: &str,
-        numbers: [(f64, f64); 2],
+        numbers: [Pair; 2],
         extrapolate: bool,
     ) -> PyResult<Self> {
-        let (x, y) = (read(x), read(y));
-        let numbers = numbers.map(|(hi, lo)| DoubleDouble::new(hi, lo));
+        let (x, y) = (DoubleDouble::read_all(&x), DoubleDouble::read_all(&y));
+        let numbers = numbers.map(DoubleDouble::read);
         let spline = match ends {
             "natural" => Spline::natural(&x, &y),
             "not-a-knot" => Spline::not_a_knot(&x, &y),
@@ -62,7 +55,11 @@ impl Table {
     /// Through the values z, row by row, on the grid (x, y).
     #[staticmethod]
     fn two(x: Pairs, y: Pairs, z: Pairs, ends: &str, extrapolate: bool) -> PyResult<Self> {
-        let (x, y, z) = (read(x), read(y), read(z));
+        let (x, y, z) = (
+            DoubleDouble::read_all(&x),
+            DoubleDouble::read_all(&y),
+            DoubleDouble::read_all(&z),
+        );
         let surface = match ends {
             "natural" => Surface::natural(&x, &y, &z),
             _ => Surface::not_a_knot(&x, &y, &z),

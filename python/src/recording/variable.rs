@@ -2,11 +2,9 @@
 
 #![allow(unsafe_op_in_unsafe_fn)] // In the code that `pymethods` makes of operators within a macro.
 
-use crate::recording::condition::Condition;
 use crate::recording::constant::constant;
 use equip::prelude::{DoubleDouble, Var};
 use equip::tables::floor;
-use pyo3::basic::CompareOp;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -179,26 +177,38 @@ fn no_modulus(modulus: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
     }
 }
 
-/// A ufunc of NumPy on variables, conditions or arrays of them.
-pub(crate) fn apply(
-    ufunc: &Bound<'_, PyAny>,
-    method: &Bound<'_, PyAny>,
-    inputs: &Bound<'_, PyTuple>,
-    keywords: Option<&Bound<'_, PyDict>>,
-) -> PyResult<Py<PyAny>> {
-    let apply = ufunc.py().import("equip._arrays")?.getattr("apply")?;
-    Ok(apply.call1((ufunc, method, inputs, keywords))?.unbind())
+/// What NumPy calls on variables and conditions, in place of a function of its own.
+macro_rules! called_by_numpy {
+    ($class:ident) => {
+        #[pymethods]
+        impl $class {
+            #[pyo3(signature = (ufunc, method, *inputs, **keywords))]
+            fn __array_ufunc__(
+                &self,
+                ufunc: &Bound<'_, PyAny>,
+                method: &Bound<'_, PyAny>,
+                inputs: &Bound<'_, PyTuple>,
+                keywords: Option<&Bound<'_, PyDict>>,
+            ) -> PyResult<Py<PyAny>> {
+                let apply = ufunc.py().import("equip._arrays")?.getattr("apply")?;
+                Ok(apply.call1((ufunc, method, inputs, keywords))?.unbind())
+            }
+            fn __array_function__(
+                &self,
+                function: &Bound<'_, PyAny>,
+                _types: &Bound<'_, PyAny>,
+                arguments: &Bound<'_, PyTuple>,
+                keywords: &Bound<'_, PyDict>,
+            ) -> PyResult<Py<PyAny>> {
+                let call = function.py().import("equip._arrays")?.getattr("call")?;
+                Ok(call.call1((function, arguments, keywords))?.unbind())
+            }
+        }
+    };
 }
+pub(crate) use called_by_numpy;
 
-/// Any other function of NumPy on them.
-pub(crate) fn call(
-    function: &Bound<'_, PyAny>,
-    arguments: &Bound<'_, PyTuple>,
-    keywords: &Bound<'_, PyDict>,
-) -> PyResult<Py<PyAny>> {
-    let call = function.py().import("equip._arrays")?.getattr("call")?;
-    Ok(call.call1((function, arguments, keywords))?.unbind())
-}
+called_by_numpy!(Variable);
 
 /// Methods that are functions of one number.
 macro_rules! functions {
@@ -322,44 +332,6 @@ impl Variable {
     ) -> PyResult<Py<PyAny>> {
         no_modulus(modulus)?;
         self.with(other, |x, y| y.pow(x))
-    }
-    #[pyo3(signature = (ufunc, method, *inputs, **keywords))]
-    fn __array_ufunc__(
-        &self,
-        ufunc: &Bound<'_, PyAny>,
-        method: &Bound<'_, PyAny>,
-        inputs: &Bound<'_, PyTuple>,
-        keywords: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Py<PyAny>> {
-        apply(ufunc, method, inputs, keywords)
-    }
-    fn __array_function__(
-        &self,
-        function: &Bound<'_, PyAny>,
-        _types: &Bound<'_, PyAny>,
-        arguments: &Bound<'_, PyTuple>,
-        keywords: &Bound<'_, PyDict>,
-    ) -> PyResult<Py<PyAny>> {
-        call(function, arguments, keywords)
-    }
-    /// A condition, for `np.where`; equality holds almost nowhere.
-    fn __richcmp__(&self, other: &Bound<'_, PyAny>, op: CompareOp) -> PyResult<Py<PyAny>> {
-        let py = other.py();
-        if matches!(op, CompareOp::Eq | CompareOp::Ne) {
-            return Err(PyTypeError::new_err(COMPARED));
-        }
-        let x = self.here()?;
-        let Some(y) = number(other)? else {
-            return Ok(py.NotImplemented());
-        };
-        let (test, is_where_negative) = match op {
-            CompareOp::Ge => (x - y, false),
-            CompareOp::Lt => (x - y, true),
-            CompareOp::Le => (y - x, false),
-            _ => (y - x, true),
-        };
-        let condition = Condition::new(self.of(test), is_where_negative);
-        Ok(Py::new(py, condition)?.into_any())
     }
     fn __bool__(&self) -> PyResult<bool> {
         Err(PyTypeError::new_err(TRUTH))

@@ -1,11 +1,12 @@
 //! States between those that a run has kept, for pictures: the motion is computed again from each of them.
 
 use crate::faults::of_run;
+use crate::number::Doubles;
 use crate::recording::recorded::Recorded;
 use crate::runs::patience::{Stop, patiently};
 use equip::integrate::IntegrateError;
 use equip::prelude::*;
-use numpy::{IntoPyArray, PyArray1};
+use numpy::IntoPyArray;
 use pyo3::prelude::*;
 
 /// Stages and tolerance of curves: no eye sees more.
@@ -21,15 +22,11 @@ pub(crate) fn between<'py>(
     t: Vec<f64>,
     y: Vec<f64>,
     points: usize,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
+) -> PyResult<Doubles<'py>> {
     let hamiltonian = system.hamiltonian.clone();
-    system.raised.forget();
-    let made = patiently(py, move |stop| curves(&hamiltonian, &t, &y, points, stop));
-    Ok(system
-        .raised
-        .or(made)?
-        .map_err(|error| of_run(&error))?
-        .into_pyarray(py))
+    let work = move |stop: &Stop| curves(&hamiltonian, &t, &y, points, stop);
+    let made = system.raised.or(|| patiently(py, work))?;
+    Ok(made.map_err(of_run)?.into_pyarray(py))
 }
 
 fn curves(

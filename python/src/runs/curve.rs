@@ -1,10 +1,10 @@
 //! [`Curve`]: a run at any time, which files and pickles keep as numbers.
 
 use crate::faults::value_error;
-use crate::number::{Number, arrays};
+use crate::number::{Doubles, Number, arrays};
 use equip::integrate::Trajectory;
 use equip::prelude::DoubleDouble;
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 /// Trajectories of either number type.
@@ -48,12 +48,9 @@ pub(crate) struct Curve {
 }
 
 /// Numbers of a curve: upper words, and lower ones, none of a run in doubles.
-type Numbers<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+type Numbers<'py> = (Doubles<'py>, Doubles<'py>);
 /// What pickles call, and with which arguments.
-type Reduced<'py> = (
-    Bound<'py, PyAny>,
-    (usize, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>),
-);
+type Reduced<'py> = (Bound<'py, PyAny>, (usize, Doubles<'py>, Doubles<'py>));
 type Given<'py> = PyReadonlyArray1<'py, f64>;
 
 #[pymethods]
@@ -103,7 +100,7 @@ impl Curve {
     }
 
     /// The state (q, p), 2m numbers, at each of the times, one after the other.
-    fn at<'py>(&self, times: PyReadonlyArray1<'py, f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn at<'py>(&self, times: PyReadonlyArray1<'py, f64>) -> PyResult<Doubles<'py>> {
         let states = each!(&self.dense, t => states(t, times.as_slice()?, self.n));
         Ok(states?.into_pyarray(times.py()))
     }

@@ -2,12 +2,13 @@
 //! starts.
 
 use crate::faults::{of_run, value_error};
+use crate::number::Doubles;
 use crate::options::Options;
 use crate::recording::recorded::Recorded;
-use crate::runs::patience::{Meanwhile, patiently_with};
+use crate::runs::patience::{Meanwhile, Stop, patiently, patiently_with};
 use equip::integrate::{RunFailure, Starts, drawn_start};
 use equip::prelude::*;
-use numpy::{IntoPyArray, PyArray1};
+use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPoolBuilder;
@@ -23,6 +24,20 @@ struct End {
     is_kept: bool,
     /// Lyapunov exponent and MEGNO.
     chaos: [f64; 2],
+}
+
+impl End {
+    /// That of a run that has failed, whose states have `n` numbers.
+    fn failed(n: usize) -> Self {
+        End {
+            t: f64::NAN,
+            y: vec![f64::NAN; n],
+            energy_error: f64::NAN,
+            steps: 0,
+            is_kept: false,
+            chaos: [f64::NAN; 2],
+        }
+    }
 }
 
 type Row = Result<End, String>;
@@ -43,7 +58,6 @@ pub(crate) fn ensemble<'py>(
     threads: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    system.raised.forget();
     let (hamiltonian, integrator) = (system.hamiltonian.clone(), options.integrator()?);
     let n = 2 * (hamiltonian.degrees_of_freedom() - usize::from(hamiltonian.has_time()));
     let done = Arc::new(AtomicUsize::new(0));
@@ -51,7 +65,7 @@ pub(crate) fn ensemble<'py>(
         done: Arc::clone(&done),
         progress: progress.as_ref(),
     };
-    let rows = patiently_with(py, &mut watch, move |stop| {
+    let work = move |stop: &Stop| {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(value_error)?;
         let row = |_, run: Result<Run<f64>, RunFailure<f64>>| {
@@ -62,10 +76,12 @@ pub(crate) fn ensemble<'py>(
         let starts = Starts::new(&q, &p, span.0..=span.1);
         let is_over = || stop.is_set();
         let rows = pool.install(|| integrator.ensemble(&hamiltonian, starts, row, is_over));
-        rows.map_err(|error| of_run(&error))
-    });
-    let made = rows.flatten().and_then(|rows| table(py, n, rows));
-    system.raised.or(made)
+        rows.map_err(of_run)
+    };
+    system.raised.or(|| {
+        let rows = patiently_with(py, &mut watch, work)??;
+        table(py, n, rows)
+    })
 }
 
 /// Shows how many rows are made.
@@ -96,47 +112,26 @@ fn end(run: &Run<f64>) -> End {
 
 /// Rows of arrays; NaN where a run has failed.
 fn table(py: Python<'_>, n: usize, rows: Vec<Option<Row>>) -> PyResult<Bound<'_, PyDict>> {
-    let (mut t, mut y, mut energy_errors, mut steps, mut kept) =
-        (vec![], vec![], vec![], vec![], vec![]);
-    let (mut lyapunov, mut megno) = (vec![], vec![]);
-    let errors = PyDict::new(py);
+    let (mut ends, errors) = (Vec::with_capacity(rows.len()), PyDict::new(py));
     for (i, row) in rows.into_iter().enumerate() {
         let row = row.ok_or_else(|| value_error("a thread of the ensemble ended early"))?;
-        let end = match row {
-            Ok(end) => end,
-            Err(error) => {
-                errors.set_item(i, error)?;
-                End {
-                    t: f64::NAN,
-                    y: vec![f64::NAN; n],
-                    energy_error: f64::NAN,
-                    steps: 0,
-                    is_kept: false,
-                    chaos: [f64::NAN; 2],
-                }
-            }
-        };
-        t.push(end.t);
-        y.extend(end.y);
-        energy_errors.push(end.energy_error);
-        steps.push(end.steps as i64);
-        kept.push(end.is_kept);
-        lyapunov.push(end.chaos[0]);
-        megno.push(end.chaos[1]);
+        ends.push(row.or_else(|error| errors.set_item(i, error).map(|()| End::failed(n)))?);
     }
+    let numbers = |of: fn(&End) -> f64| ends.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
     let dict = PyDict::new(py);
-    dict.set_item("t", t.into_pyarray(py))?;
+    dict.set_item("t", numbers(|end| end.t))?;
+    let y: Vec<f64> = ends.iter().flat_map(|end| end.y.iter().copied()).collect();
     dict.set_item("y", y.into_pyarray(py))?;
-    dict.set_item("energy_error", energy_errors.into_pyarray(py))?;
+    dict.set_item("energy_error", numbers(|end| end.energy_error))?;
+    let steps: Vec<i64> = ends.iter().map(|end| end.steps as i64).collect();
     dict.set_item("steps", steps.into_pyarray(py))?;
+    let kept: Vec<bool> = ends.iter().map(|end| end.is_kept).collect();
     dict.set_item("kept", kept.into_pyarray(py))?;
-    dict.set_item("lyapunov", lyapunov.into_pyarray(py))?;
-    dict.set_item("megno", megno.into_pyarray(py))?;
+    dict.set_item("lyapunov", numbers(|end| end.chaos[0]))?;
+    dict.set_item("megno", numbers(|end| end.chaos[1]))?;
     dict.set_item("errors", errors)?;
     Ok(dict)
 }
-
-type Floats<'py> = Bound<'py, PyArray1<f64>>;
 
 /// `n` starts around one, flat, one after the other: positions, and momenta.
 #[pyfunction]
@@ -147,8 +142,8 @@ pub(crate) fn draw_starts<'py>(
     n: u64,
     seed: u64,
     spread: f64,
-) -> PyResult<(Floats<'py>, Floats<'py>)> {
-    let (q, p) = patiently_with(py, &mut (), move |stop| {
+) -> PyResult<(Doubles<'py>, Doubles<'py>)> {
+    let (q, p) = patiently(py, move |stop| {
         let start = |index| drawn_start(&q0, &p0, spread, seed, index);
         let wanted = (0..n).take_while(|_| !stop.is_set());
         let (q, p): (Vec<_>, Vec<_>) = wanted.map(start).unzip();

@@ -55,7 +55,19 @@ pub(crate) fn patiently<R: Send + 'static>(
     patiently_with(py, &mut (), work)
 }
 
-/// The same, with something that is done meanwhile.
+/// The result of `work`, which is made in this thread unless it may take longer than a signal may wait.
+pub(crate) fn patiently_if<R: Send + 'static>(
+    is_long: bool,
+    py: Python<'_>,
+    work: impl FnOnce() -> R + Send + 'static,
+) -> PyResult<R> {
+    match is_long {
+        true => patiently(py, move |_| work()),
+        false => Ok(work()),
+    }
+}
+
+/// The same as [`patiently`], with something that is done meanwhile.
 pub(crate) fn patiently_with<R: Send + 'static>(
     py: Python<'_>,
     meanwhile: &mut impl Meanwhile,

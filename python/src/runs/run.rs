@@ -1,7 +1,7 @@
 //! Whole runs: another thread makes the steps.
 
 use crate::faults::{of_run, value_error};
-use crate::number::{Number, Pair, arrays};
+use crate::number::{Number, Pair, Pairs, arrays};
 use crate::options::Options;
 use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
@@ -16,8 +16,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::time::Duration;
-
-type Pairs = (Vec<f64>, Vec<f64>);
 
 /// Where a run starts and where it ends: q, p, t0, t1.
 pub(crate) type Interval = (Pairs, Pairs, Pair, Pair);
@@ -42,78 +40,65 @@ pub(crate) fn solve<'py>(
         let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
         Keeping::new(path, end, every)
     });
-    let task = Whole {
-        py,
-        hamiltonian: system.hamiltonian.clone(),
-        start,
-        progress: progress.as_ref(),
-        keeping: keeping.transpose()?,
-    };
-    system.raised.forget();
-    let made = match precision {
-        "f64" => task.run(options.integrator::<f64>()?),
-        "dd" => task.run(options.integrator::<DoubleDouble>()?),
+    let keeping = keeping.transpose()?;
+    let progress = progress.as_ref();
+    system.raised.or(|| match precision {
+        "f64" => whole::<f64>(py, system, start, options.integrator()?, progress, keeping),
+        "dd" => whole::<DoubleDouble>(py, system, start, options.integrator()?, progress, keeping),
         other => Err(value_error(format!(
             "precision is '{other}'; it must be 'f64' or 'dd' (double-double, 31 digits)"
         ))),
-    };
-    system.raised.or(made)
+    })
 }
 
-struct Whole<'a, 'py> {
+fn whole<'py, T: Number + Kept>(
     py: Python<'py>,
-    hamiltonian: Hamiltonian,
-    start: Interval,
-    progress: Option<&'a Py<PyAny>>,
+    system: &Recorded,
+    (q, p, t0, t1): Interval,
+    integrator: Integrator<T>,
+    progress: Option<&Py<PyAny>>,
     keeping: Option<Keeping>,
-}
-
-impl<'py> Whole<'_, 'py> {
-    fn run<T: Number + Kept>(self, integrator: Integrator<T>) -> PyResult<Bound<'py, PyDict>> {
-        let (q, p, t0, t1) = self.start;
-        let (q, p) = (T::read_all(&q), T::read_all(&p));
-        let interval = T::read(t0)..=T::read(t1);
-        let (hamiltonian, keeping) = (self.hamiltonian, self.keeping);
-        let from = match &keeping {
-            Some(keeping) => keeping.read()?,
-            None => None,
-        };
-        if let Some(from) = &from {
-            let is_that = from.check_start(&q, &p, *interval.start());
-            is_that.map_err(|error| of_run(&error))?;
-        }
-        let mut watch = Watch::new(self.progress, keeping.is_some());
-        let reached = watch.reached.clone();
-        let found = patiently_with(self.py, &mut watch, move |stop| {
-            let mut signals = Signals::new(stop, reached, keeping);
-            let observer = &mut signals;
-            let made = match &from {
-                Some(from) => {
-                    integrator.integrate_from(&hamiltonian, from, *interval.end(), observer)
-                }
-                None => integrator.integrate_observed(&hamiltonian, &q, &p, interval, observer),
-            };
-            if let Some(error) = signals.fault {
-                return Err(error);
-            }
-            let (run, fault) = match made {
-                Ok(run) => (run, None),
-                Err(RunFailure { error, partial }) => {
-                    let run = partial.ok_or_else(|| of_run(&error))?;
-                    (*run, Some(error.to_string()))
-                }
-            };
-            let output_errors = output_errors(&hamiltonian, &run);
-            Ok((run, fault, output_errors))
-        })?;
-        let (run, fault, output_errors) = found?;
-        let dict = results(self.py, &run)?;
-        dict.set_item("fault", fault)?;
-        if let Some(energy_errors) = output_errors {
-            dict.set_item("output_energy_error", energy_errors.into_pyarray(self.py))?;
-        }
-        Ok(dict)
+) -> PyResult<Bound<'py, PyDict>> {
+    let (q, p) = (T::read_all(&q), T::read_all(&p));
+    let interval = T::read(t0)..=T::read(t1);
+    let hamiltonian = system.hamiltonian.clone();
+    let from = match &keeping {
+        Some(keeping) => keeping.read()?,
+        None => None,
+    };
+    if let Some(from) = &from {
+        from.check_start(&q, &p, *interval.start())
+            .map_err(of_run)?;
     }
+    let mut watch = Watch::new(progress, keeping.is_some());
+    let reached = watch.reached.clone();
+    let found = patiently_with(py, &mut watch, move |stop| {
+        let mut signals = Signals::new(stop, reached, keeping);
+        let observer = &mut signals;
+        let made = match &from {
+            Some(from) => integrator.integrate_from(&hamiltonian, from, *interval.end(), observer),
+            None => integrator.integrate_observed(&hamiltonian, &q, &p, interval, observer),
+        };
+        if let Some(error) = signals.fault {
+            return Err(error);
+        }
+        let (run, fault) = match made {
+            Ok(run) => (run, None),
+            Err(RunFailure { error, partial }) => match partial {
+                Some(run) => (*run, Some(error.to_string())),
+                None => return Err(of_run(error)),
+            },
+        };
+        let output_errors = output_errors(&hamiltonian, &run);
+        Ok((run, fault, output_errors))
+    })?;
+    let (run, fault, output_errors) = found?;
+    let dict = results(py, &run)?;
+    dict.set_item("fault", fault)?;
+    if let Some(energy_errors) = output_errors {
+        dict.set_item("output_energy_error", energy_errors.into_pyarray(py))?;
+    }
+    Ok(dict)
 }
 
 /// What a run leaves, flat.

@@ -1,15 +1,16 @@
 //! [`Steps`]: a run one step at a time, with deviations propagated.
 
 use crate::faults::of_run;
+use crate::number::{Doubles, Pairs};
 use crate::options::Options;
 use crate::recording::external::Raised;
 use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
-use crate::runs::patience::{Stop, lock, patiently};
+use crate::runs::patience::{Stop, lock, patiently, patiently_if};
 use crate::runs::signals::{Reached, Signals};
 use equip::integrate::{IntegrateError, Occurrence, StepEvents, Stepper};
 use equip::prelude::*;
-use numpy::{IntoPyArray, PyArray1};
+use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -63,16 +64,16 @@ pub(crate) struct Steps {
 }
 
 /// Place of an event in the list of events, time, and (q, p).
-type Found<'py> = (usize, f64, Bound<'py, PyArray1<f64>>);
+type Found<'py> = (usize, f64, Doubles<'py>);
 
 /// Number, time, size, state, energy error, α and outcome of a step, and its events.
 type Made<'py> = (
     u64,
     f64,
     f64,
-    Bound<'py, PyArray1<f64>>,
+    Doubles<'py>,
     Option<f64>,
-    Bound<'py, PyArray1<f64>>,
+    Doubles<'py>,
     &'static str,
     Vec<Found<'py>>,
 );
@@ -89,15 +90,11 @@ impl Steps {
         f: impl FnOnce(&mut Run, &Stop) -> Result<(), IntegrateError<f64>> + Send + 'static,
     ) -> PyResult<()> {
         let run = Arc::clone(&self.run);
-        self.raised.forget();
-        let made = patiently(py, move |stop| {
-            f(
-                &mut run.lock().unwrap_or_else(PoisonError::into_inner),
-                stop,
-            )
-        });
-        let made = made.and_then(|made| made.map_err(|error| of_run(&error)));
-        self.raised.or(made)
+        let work = move |stop: &Stop| {
+            let mut run = run.lock().unwrap_or_else(PoisonError::into_inner);
+            f(&mut run, stop).map_err(of_run)
+        };
+        self.raised.or(|| patiently(py, work).flatten())
     }
 }
 
@@ -116,7 +113,6 @@ impl Steps {
         let deviations = whole(&system.hamiltonian, &deviations);
         let hamiltonian = system.hamiltonian.clone();
         let (events, integrator) = (options.events(), options.integrator()?);
-        system.raised.forget();
         let begin = move || {
             let mut stepper = integrator.start(&hamiltonian, &q, &p, t)?;
             let tangent =
@@ -134,15 +130,12 @@ impl Steps {
                 found: Vec::new(),
             })
         };
-        let run = match system.is_large() {
-            true => patiently(py, move |_| begin()),
-            false => Ok(begin()),
-        };
-        let run = run.and_then(|run| run.map_err(|error| of_run(&error)));
+        let (is_large, raised) = (system.is_large(), system.raised.clone());
+        let run = raised.or(|| patiently_if(is_large, py, begin)?.map_err(of_run))?;
         Ok(Steps {
-            run: Arc::new(Mutex::new(system.raised.or(run)?)),
-            is_large: system.is_large(),
-            raised: system.raised.clone(),
+            run: Arc::new(Mutex::new(run)),
+            is_large,
+            raised,
         })
     }
 
@@ -154,7 +147,7 @@ impl Steps {
         py.check_signals()?;
         let mut held = self.run(py)?;
         let run: &mut Run = &mut held;
-        py.detach(|| run.advance()).map_err(|error| of_run(&error))
+        py.detach(|| run.advance()).map_err(of_run)
     }
 
     /// Makes the steps to the time `t`, forward or back.
@@ -188,19 +181,19 @@ impl Steps {
     fn restart(&self, py: Python<'_>, q: Vec<f64>, p: Vec<f64>, t: f64) -> PyResult<()> {
         let mut run = self.run(py)?;
         run.found.clear();
-        let begun = run.stepper.restart(&q, &p, t);
-        self.raised.or(begun.map_err(|error| of_run(&error)))
+        self.raised
+            .or(|| run.stepper.restart(&q, &p, t).map_err(of_run))
     }
 
     fn set_state(&self, py: Python<'_>, q: Vec<f64>, p: Vec<f64>) -> PyResult<()> {
         let mut run = self.run(py)?;
         run.found.clear();
-        let set = run.stepper.set_state(&q, &p);
-        self.raised.or(set.map_err(|error| of_run(&error)))
+        self.raised
+            .or(|| run.stepper.set_state(&q, &p).map_err(of_run))
     }
 
     /// Deviations, one after the other.
-    fn deviations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn deviations<'py>(&self, py: Python<'py>) -> PyResult<Doubles<'py>> {
         let run = self.run(py)?;
         let m = run.hamiltonian.degrees_of_freedom();
         let kept = m - usize::from(run.hamiltonian.has_time());
@@ -237,7 +230,7 @@ fn whole(hamiltonian: &Hamiltonian, deviations: &[f64]) -> Vec<f64> {
 pub(crate) fn suggest_step(
     py: Python<'_>,
     system: &Recorded,
-    start: (Vec<f64>, Vec<f64>),
+    start: Pairs,
     span: (f64, f64),
     options: Options,
     target: (String, f64),
@@ -250,12 +243,11 @@ pub(crate) fn suggest_step(
     };
     let (q, p) = start;
     let hamiltonian = system.hamiltonian.clone();
-    system.raised.forget();
-    let found = patiently(py, move |stop| {
+    let search = move |stop: &Stop| {
         let mut signals = Signals::new(stop, Reached::default(), None);
         let span = span.0..=span.1;
         let found = method.suggest_step_observed(&hamiltonian, &q, &p, span, target, &mut signals);
-        found.map_err(|error| of_run(&error))
-    });
-    system.raised.or(found.flatten())
+        found.map_err(of_run)
+    };
+    system.raised.or(|| patiently(py, search).flatten())
 }
