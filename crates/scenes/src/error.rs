@@ -8,7 +8,7 @@ use equip_autodiff::BuildError;
 #[non_exhaustive]
 pub enum SceneError {
     /// No scene has this name.
-    #[error("there is no scene `{name}`; the nearest names are {}", list(.nearest))]
+    #[error("there is no scene `{name}`; the nearest names are {}", .nearest.join(", "))]
     UnknownScene {
         /// The requested name.
         name: String,
@@ -16,7 +16,7 @@ pub enum SceneError {
         nearest: Vec<&'static str>,
     },
     /// No reference solution has this name.
-    #[error("there is no reference solution `{name}`; the known ones are {}", list(.known))]
+    #[error("there is no reference solution `{name}`; the known ones are {}", .known.join(", "))]
     UnknownReference {
         /// The requested name.
         name: String,
@@ -92,10 +92,6 @@ pub enum SceneError {
     /// H or an invariant could not be recorded.
     #[error(transparent)]
     Recording(#[from] BuildError),
-}
-
-fn list(names: &[&str]) -> String {
-    names.join(", ")
 }
 
 fn allowed(names: &[&str]) -> String {

@@ -66,28 +66,21 @@ fn linear_momenta(bodies: usize, d: usize) -> Result<Vec<Invariant>, BuildError>
 
 /// The components of the total angular momentum of bodies in d = 2 or 3 dimensions.
 pub(crate) fn angular_momenta(bodies: usize, d: usize) -> Result<Vec<Invariant>, BuildError> {
-    const PLANES: [(&str, usize, usize); 3] = [
-        ("angular momentum", 0, 1),
-        ("angular momentum x", 1, 2),
-        ("angular momentum y", 2, 0),
-    ];
-    let named = |k: usize| {
-        if k == 0 && d == 3 {
-            "angular momentum z"
-        } else {
-            PLANES[k].0
-        }
+    let planes: &[_] = match d {
+        3 => &[
+            ("angular momentum z", 0, 1),
+            ("angular momentum x", 1, 2),
+            ("angular momentum y", 2, 0),
+        ],
+        _ => &[("angular momentum", 0, 1)],
     };
-    (0..if d == 3 { 3 } else { 1 })
-        .map(|k| {
-            let (_, a, b) = PLANES[k];
-            Invariant::record(named(k), InvariantKind::Quadratic, bodies * d, |q, p| {
-                (0..bodies)
-                    .map(|j| moment(q, p, d * j + a, d * j + b))
-                    .sum()
-            })
+    let component = |&(name, a, b): &(&'static str, usize, usize)| {
+        Invariant::record(name, InvariantKind::Quadratic, bodies * d, |q, p| {
+            let moments = (0..bodies).map(|j| moment(q, p, d * j + a, d * j + b));
+            moments.sum()
         })
-        .collect()
+    };
+    planes.iter().map(component).collect()
 }
 
 /// q_a p_b − q_b p_a.

@@ -19,6 +19,21 @@ pub enum View {
     Profile,
 }
 
+impl View {
+    /// The paths of bodies in `d` dimensions, seen along the last axis of three.
+    pub(crate) fn bodies(number: usize, d: usize) -> Self {
+        View::Paths((0..number).map(|b| (d * b, d * b + 1)).collect())
+    }
+
+    /// The profile of `n` degrees of freedom in a row, or the phase plane of one.
+    pub(crate) fn row(n: usize) -> Self {
+        match n {
+            1 => View::PhasePlane,
+            _ => View::Profile,
+        }
+    }
+}
+
 /// The names of the units of a scene, for the axes of pictures; empty for dimensionless quantities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Units {
@@ -30,8 +45,10 @@ pub struct Units {
 
 /// A Hamiltonian with its initial state, its time scale and its known solutions.
 pub trait Model {
-    /// Number m of positions, and of momenta.
-    fn degrees_of_freedom(&self) -> usize;
+    /// Number m of positions, and of momenta: that of the initial state.
+    fn degrees_of_freedom(&self) -> usize {
+        self.initial::<f64>().0.len()
+    }
 
     /// H(q, p); both slices have length m.
     fn energy(&self, q: &[Var], p: &[Var]) -> Var;
@@ -101,6 +118,21 @@ pub trait Model {
     fn mass<T: Float>(&self, _component: usize) -> T {
         T::int(1)
     }
+}
+
+/// The period 2π/ω of a frequency ω; 2π if it vanishes.
+pub(crate) fn period_of<T: Float>(omega: T) -> T {
+    if omega == T::int(0) {
+        T::two_pi()
+    } else {
+        T::two_pi() / omega.abs()
+    }
+}
+
+/// Every component of q times `q_factor` and of q times `p_factor`, as positions and momenta.
+pub(crate) fn scaled<T: Float>(q: &[T], q_factor: T, p_factor: T) -> State<T> {
+    let times = |factor: T| q.iter().map(|&q| q * factor).collect();
+    (times(q_factor), times(p_factor))
 }
 
 /// Masses times velocities.

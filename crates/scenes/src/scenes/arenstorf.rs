@@ -43,10 +43,6 @@ impl Arenstorf {
 }
 
 impl Model for Arenstorf {
-    fn degrees_of_freedom(&self) -> usize {
-        2
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let mu = Var::from(self.mu);
         let rest = 1.0 - mu;

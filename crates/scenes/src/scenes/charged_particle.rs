@@ -7,7 +7,7 @@
 
 use crate::entry::scene;
 use crate::invariant::{Invariant, angular_momenta};
-use crate::model::{Model, State};
+use crate::model::{Model, State, period_of};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::{Constant, Float, ratio};
 
@@ -27,10 +27,6 @@ scene! {
 }
 
 impl Model for ChargedParticle {
-    fn degrees_of_freedom(&self) -> usize {
-        2
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let r = (q[0] * q[0] + q[1] * q[1]).sqrt();
         let strength = ratio(1, 3) * (self.b * r);
@@ -46,12 +42,7 @@ impl Model for ChargedParticle {
 
     /// The gyration at |q| = 1; 2π without a field.
     fn period<T: Float>(&self, _: &State<T>) -> T {
-        let b = self.b.to::<T>().abs();
-        if b > T::int(0) {
-            T::two_pi() / b
-        } else {
-            T::two_pi()
-        }
+        period_of(self.b.to())
     }
 
     fn step(&self) -> f64 {

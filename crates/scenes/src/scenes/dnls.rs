@@ -10,7 +10,7 @@
 
 use crate::entry::scene;
 use crate::invariant::{Invariant, InvariantKind};
-use crate::model::{Model, State, View};
+use crate::model::{Model, State, View, period_of, scaled};
 use equip_autodiff::{BuildError, Var};
 use equip_scalar::{Constant, Float, Num, ratio};
 
@@ -44,10 +44,6 @@ impl Dnls {
 }
 
 impl Model for Dnls {
-    fn degrees_of_freedom(&self) -> usize {
-        self.n
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let hop = |j: usize| {
             let (dq, dp) = (q[(j + 1) % self.n] - q[j], p[(j + 1) % self.n] - p[j]);
@@ -71,12 +67,7 @@ impl Model for Dnls {
 
     /// One turn of the uniform state; 2π if it stands still.
     fn period<T: Float>(&self, _: &State<T>) -> T {
-        let turning = self.turning::<T>().abs();
-        if turning > T::int(0) {
-            T::two_pi() / turning
-        } else {
-            T::two_pi()
-        }
+        period_of(self.turning())
     }
 
     fn step(&self) -> f64 {
@@ -84,11 +75,7 @@ impl Model for Dnls {
     }
 
     fn view(&self) -> View {
-        if self.n == 1 {
-            View::PhasePlane
-        } else {
-            View::Profile
-        }
+        View::row(self.n)
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
@@ -102,11 +89,6 @@ impl Model for Dnls {
     fn exact<T: Float>(&self, t: T) -> Option<State<T>> {
         let (q, _) = self.initial::<T>();
         let (sin, cos) = (self.turning::<T>() * t).sin_cos();
-        self.is_uniform().then(|| {
-            (
-                q.iter().map(|&q| q * cos).collect(),
-                q.iter().map(|&q| q * sin).collect(),
-            )
-        })
+        self.is_uniform().then(|| scaled(&q, cos, sin))
     }
 }

@@ -96,10 +96,6 @@ pub(crate) const STIFF: Entry<DoublePendulum> = Entry {
 };
 
 impl Model for DoublePendulum {
-    fn degrees_of_freedom(&self) -> usize {
-        2
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let d = p[1] - p[0];
         let kinetic = (2.0 * (p[1] * p[1]) + d * d + 2.0 * (p[1] * d * q[1].cos()))

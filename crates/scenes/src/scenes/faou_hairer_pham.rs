@@ -22,10 +22,6 @@ scene! {
 }
 
 impl Model for FaouHairerPham {
-    fn degrees_of_freedom(&self) -> usize {
-        1
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let (q, p) = (q[0], p[0]);
         let kinetic = ratio(1, 3) * p.powi(3) - 0.5 * p;

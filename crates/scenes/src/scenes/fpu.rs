@@ -29,10 +29,6 @@ scene! {
 }
 
 impl Model for Fpu {
-    fn degrees_of_freedom(&self) -> usize {
-        2 * self.m
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let (slow, fast) = q.split_at(self.m);
         let omega = Var::from(self.omega);

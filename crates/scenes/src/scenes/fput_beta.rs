@@ -5,7 +5,7 @@
 //! rest. With β = 0 that mode swings with ω₁ = 2 sin(π/(2n + 2)) forever.
 
 use crate::entry::scene;
-use crate::model::{Model, State, View};
+use crate::model::{Model, State, View, scaled};
 use equip_autodiff::Var;
 use equip_scalar::{Constant, Float};
 
@@ -37,10 +37,6 @@ impl FputBeta {
 }
 
 impl Model for FputBeta {
-    fn degrees_of_freedom(&self) -> usize {
-        self.n
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let kinetic: Var = p.iter().map(|&p| p * p).sum();
         let inner = q.windows(2).map(|pair| pair[1] - pair[0]);
@@ -73,23 +69,13 @@ impl Model for FputBeta {
     }
 
     fn view(&self) -> View {
-        if self.n == 1 {
-            View::PhasePlane
-        } else {
-            View::Profile
-        }
+        View::row(self.n)
     }
 
     fn exact<T: Float>(&self, t: T) -> Option<State<T>> {
         let (q, _) = self.initial::<T>();
         let omega = self.lowest_frequency::<T>();
         let (sin, cos) = (omega * t).sin_cos();
-        let speed = -omega * sin;
-        self.is_linear().then(|| {
-            (
-                q.iter().map(|&q| q * cos).collect(),
-                q.iter().map(|&q| q * speed).collect(),
-            )
-        })
+        self.is_linear().then(|| scaled(&q, cos, -omega * sin))
     }
 }

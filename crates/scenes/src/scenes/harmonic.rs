@@ -35,10 +35,6 @@ impl Harmonic {
 }
 
 impl Model for Harmonic {
-    fn degrees_of_freedom(&self) -> usize {
-        self.m
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let mut omega = Var::from(self.omega);
         let mut twice = p[0] * p[0] + omega * omega * (q[0] * q[0]);

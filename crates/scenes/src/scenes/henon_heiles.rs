@@ -34,10 +34,6 @@ impl HenonHeiles {
 }
 
 impl Model for HenonHeiles {
-    fn degrees_of_freedom(&self) -> usize {
-        2
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let quadratic = 0.5 * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]);
         quadratic + q[0] * q[0] * q[1] - ratio(1, 3) * (q[1] * q[1] * q[1])
@@ -60,6 +56,7 @@ impl Model for HenonHeiles {
     fn end(&self) -> f64 {
         200.0
     }
+
     fn check(&self) -> Result<(), SceneError> {
         let (energy, free) = (self.energy.to::<f64>(), self.free_square::<f64>());
         if free < 0.0 {

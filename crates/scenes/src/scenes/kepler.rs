@@ -26,10 +26,6 @@ scene! {
 }
 
 impl Model for Kepler {
-    fn degrees_of_freedom(&self) -> usize {
-        2
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         0.5 * (p[0] * p[0] + p[1] * p[1]) - self.mu / (q[0] * q[0] + q[1] * q[1]).sqrt()
     }

@@ -43,10 +43,6 @@ impl LennardJones {
 }
 
 impl Model for LennardJones {
-    fn degrees_of_freedom(&self) -> usize {
-        2 * self.n
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let kinetic: Var = p.iter().map(|&p| p * p).sum();
         let mut pairs = Vec::with_capacity(self.n * self.n / 2);
@@ -97,7 +93,7 @@ impl Model for LennardJones {
     }
 
     fn view(&self) -> View {
-        View::Paths((0..self.n).map(|b| (2 * b, 2 * b + 1)).collect())
+        View::bodies(self.n, 2)
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {

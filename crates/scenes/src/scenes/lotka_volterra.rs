@@ -26,10 +26,6 @@ scene! {
 }
 
 impl Model for LotkaVolterra {
-    fn degrees_of_freedom(&self) -> usize {
-        1
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         (p[0].exp() - self.b * p[0]) + (q[0].exp() - self.a * q[0])
     }

@@ -55,10 +55,6 @@ impl Ring {
 }
 
 impl Model for Ring {
-    fn degrees_of_freedom(&self) -> usize {
-        3 * self.n
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let masses = vec![Var::from(ratio(1, self.n as i64)); self.n];
         gravity::energy(3, Var::from(1.0), &masses, q, p)
@@ -88,7 +84,7 @@ impl Model for Ring {
     }
 
     fn view(&self) -> View {
-        View::Paths((0..self.n).map(|b| (3 * b, 3 * b + 1)).collect())
+        View::bodies(self.n, 3)
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {

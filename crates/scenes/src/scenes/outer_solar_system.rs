@@ -67,10 +67,6 @@ impl OuterSolarSystem {
 }
 
 impl Model for OuterSolarSystem {
-    fn degrees_of_freedom(&self) -> usize {
-        3 * self.bodies()
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let gravity = Var::from(G);
         let masses: Vec<_> = GM
@@ -108,7 +104,7 @@ impl Model for OuterSolarSystem {
     }
 
     fn view(&self) -> View {
-        View::Paths((0..self.bodies()).map(|b| (3 * b, 3 * b + 1)).collect())
+        View::bodies(self.bodies(), 3)
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {

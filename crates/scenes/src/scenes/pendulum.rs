@@ -52,10 +52,6 @@ impl<T: Float> Modulus<T> {
 }
 
 impl Model for Pendulum {
-    fn degrees_of_freedom(&self) -> usize {
-        1
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         0.5 * (p[0] * p[0]) - q[0].cos()
     }

@@ -25,10 +25,6 @@ scene! {
 const MASSES: [i32; 3] = [5, 4, 3];
 
 impl Model for Pythagorean {
-    fn degrees_of_freedom(&self) -> usize {
-        6
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         gravity::energy(2, Var::from(1.0), &MASSES.map(Var::from), q, p)
     }
@@ -54,7 +50,7 @@ impl Model for Pythagorean {
     }
 
     fn view(&self) -> View {
-        View::Paths(vec![(0, 1), (2, 3), (4, 5)])
+        View::bodies(3, 2)
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {

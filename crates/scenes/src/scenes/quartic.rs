@@ -31,10 +31,6 @@ fn amplitude<T: Float>(q: T, p: T) -> T {
 }
 
 impl Model for Quartic {
-    fn degrees_of_freedom(&self) -> usize {
-        1
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         0.5 * (p[0] * p[0]) + 0.25 * q[0].powi(4)
     }

@@ -29,10 +29,6 @@ scene! {
 }
 
 impl Model for SineGordon {
-    fn degrees_of_freedom(&self) -> usize {
-        self.n
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let density = Var::from(self.n as f64) / self.length;
         let kinetic: Var = p.iter().map(|&p| p * p).sum();

@@ -27,10 +27,6 @@ scene! {
 }
 
 impl Model for SpringPendulum {
-    fn degrees_of_freedom(&self) -> usize {
-        2
-    }
-
     fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let stretch = (q[0] * q[0] + q[1] * q[1]).sqrt() - 1.0;
         0.5 * (p[0] * p[0] + p[1] * p[1]) + self.g * q[1] + 0.5 * (self.k * (stretch * stretch))
