@@ -1,6 +1,6 @@
 //! [`Case`]: a row of the catalogue as data, with what is expected of it.
 
-use equip_autodiff::Hamiltonian;
+use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::Invariant;
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
@@ -31,12 +31,25 @@ enum Start {
 pub(crate) type State<T> = (Vec<T>, Vec<T>);
 
 impl Problem {
-    pub(crate) fn new(hamiltonian: Hamiltonian, q: &[Constant], p: &[Constant]) -> Self {
-        let (q, p) = (q.to_vec(), p.to_vec());
+    pub(crate) fn new<C: Into<Constant> + Copy>(
+        hamiltonian: Hamiltonian,
+        q: &[C],
+        p: &[C],
+    ) -> Self {
+        let [q, p] = [q, p].map(|all| all.iter().map(|&x| x.into()).collect());
         Problem {
             start: Start::Given { hamiltonian, q, p },
             invariants: Vec::new(),
         }
+    }
+
+    /// The energy of a function, started from doubles.
+    pub(crate) fn recorded(
+        energy: impl FnOnce(&[Var], &[Var]) -> Var,
+        q: &[f64],
+        p: &[f64],
+    ) -> Result<Self, BuildFault> {
+        Ok(Problem::new(Hamiltonian::new(q.len(), energy)?, q, p))
     }
 
     /// The same with a further invariant to watch.
@@ -207,14 +220,14 @@ pub(crate) struct Case {
 }
 
 impl Case {
-    /// A row in `f64` with s = 4, 100 steps of 0.1, no reference: complete, in both runs.
+    /// A row in `f64` with s = 4, 100 steps of 0.1, no reference: complete, in both runs. The catalogue sets
+    /// its theme.
     pub(crate) fn new(
-        theme: &'static str,
         name: impl Into<String>,
         problem: impl Fn() -> Result<Problem, BuildFault> + Send + Sync + 'static,
     ) -> Self {
         Case {
-            theme,
+            theme: "",
             name: name.into(),
             problem: Box::new(problem),
             stages: 4,
@@ -231,6 +244,21 @@ impl Case {
             },
             quick: true,
         }
+    }
+
+    /// The same of a scene with parameters.
+    pub(crate) fn scene(
+        name: impl Into<String>,
+        scene: &'static str,
+        parameters: &[(&str, &str)],
+    ) -> Self {
+        let owned = |&(name, value): &(&str, &str)| (name.to_owned(), value.to_owned());
+        let parameters: Vec<_> = parameters.iter().map(owned).collect();
+        Case::new(name, move || {
+            let values = parameters.iter().map(|(n, v)| (n.as_str(), v.as_str()));
+            let instance = equip_scenes::find(scene)?.instance(&values.collect::<Vec<_>>())?;
+            Ok(instance.into())
+        })
     }
 
     pub(crate) fn stages(mut self, stages: usize) -> Self {
@@ -305,19 +333,5 @@ pub(crate) fn short(x: f64) -> String {
         format!("{rounded}")
     } else {
         format!("{rounded:e}")
-    }
-}
-
-/// A scene with parameters.
-pub(crate) fn scene(
-    name: &'static str,
-    parameters: &[(&str, &str)],
-) -> impl Fn() -> Result<Problem, BuildFault> + Send + Sync + 'static {
-    let owned = |&(name, value): &(&str, &str)| (name.to_owned(), value.to_owned());
-    let parameters: Vec<_> = parameters.iter().map(owned).collect();
-    move || {
-        let values = parameters.iter().map(|(n, v)| (n.as_str(), v.as_str()));
-        let instance = equip_scenes::find(name)?.instance(&values.collect::<Vec<_>>())?;
-        Ok(instance.into())
     }
 }

@@ -12,16 +12,18 @@ use super::case::Case;
 
 /// All rows, in the order of the table.
 pub(crate) fn catalogue() -> Vec<Case> {
-    [
-        stiff::cases(),
-        chaotic::cases(),
-        singular::cases(),
-        units::cases(),
-        degenerate::cases(),
-        large::cases(),
-        long::cases(),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    let themes = [
+        ("stiff", stiff::cases()),
+        ("chaotic", chaotic::cases()),
+        ("singular", singular::cases()),
+        ("units", units::cases()),
+        ("degenerate", degenerate::cases()),
+        ("large", large::cases()),
+        ("long", long::cases()),
+    ];
+    let of = |(theme, cases): (_, Vec<Case>)| {
+        let cases = cases.into_iter();
+        cases.map(move |case| Case { theme, ..case })
+    };
+    themes.into_iter().flat_map(of).collect()
 }

@@ -106,7 +106,7 @@ mod tests {
     use crate::check::verdict::Verdict;
 
     fn case() -> Case {
-        Case::new("units", "a \"name\", with a comma", || Err("none".into()))
+        Case::new("a \"name\", with a comma", || Err("none".into()))
     }
 
     fn rows(case: &Case) -> [Row<'_>; 1] {

@@ -168,33 +168,8 @@ impl<T: Float> Watched<T> {
     }
 }
 
-/// H in double-double at states of the run.
-struct Independent {
-    evaluator: Evaluator<DoubleDouble>,
-    y: Vec<DoubleDouble>,
-    h_ref: DoubleDouble,
-}
-
 pub(crate) fn widen<T: Float>(x: T) -> DoubleDouble {
     DoubleDouble::from_expansion(x.expansion())
-}
-
-impl Independent {
-    fn new<T: Float>(h: &Hamiltonian, n: usize, h_ref: T) -> Self {
-        Independent {
-            evaluator: h.evaluator::<DoubleDouble>(),
-            y: vec![DoubleDouble::int(0); n],
-            h_ref: widen(h_ref),
-        }
-    }
-
-    fn error<T: Float>(&mut self, view: &StepView<'_, T>) -> f64 {
-        let state = view.q.iter().chain(view.p);
-        for (wide, &x) in self.y.iter_mut().zip(state) {
-            *wide = widen(x);
-        }
-        (self.evaluator.value(&self.y) - self.h_ref).to_f64()
-    }
 }
 
 /// Everything that sees the steps.
@@ -202,8 +177,8 @@ struct Watch<T: Float> {
     leg: Leg,
     samples: Samples<T>,
     watched: Vec<Watched<T>>,
-    independent: Option<Independent>,
-    y: Vec<T>,
+    /// H in double-double, and its value at the start.
+    independent: Option<(Evaluator<DoubleDouble>, DoubleDouble)>,
 }
 
 impl<T: Float> Watch<T> {
@@ -218,7 +193,6 @@ impl<T: Float> Watch<T> {
             independent: None,
             leg: Leg::default(),
             samples,
-            y,
         }
     }
 
@@ -227,23 +201,20 @@ impl<T: Float> Watch<T> {
         if !(error <= self.leg.energy) {
             self.leg.energy = error;
         }
-        if sample {
-            self.samples.push(view.q, view.p);
-            self.y.clear();
-            self.y.extend_from_slice(view.q);
-            self.y.extend_from_slice(view.p);
-            self.watched.iter_mut().for_each(|w| w.see(&self.y));
+        let is_kept = view.outcome.energy_conserved();
+        let round_off = view.energy_round_off.filter(|_| is_kept).map(Float::to_f64);
+        if let Some(round_off) = round_off {
+            raise(&mut self.leg.levels, in_levels(error, round_off));
         }
-        let Some(round_off) = view
-            .energy_round_off
-            .filter(|_| view.outcome.energy_conserved())
-        else {
+        if !sample {
             return;
-        };
-        raise(&mut self.leg.levels, in_levels(error, round_off.to_f64()));
-        if let (Some(independent), true) = (&mut self.independent, sample) {
-            let error = independent.error(view);
-            let levels = in_levels(error, round_off.to_f64());
+        }
+        self.samples.push(view.q, view.p);
+        let y = [view.q, view.p].concat();
+        self.watched.iter_mut().for_each(|w| w.see(&y));
+        if let (Some((h, h_ref)), Some(round_off)) = (&mut self.independent, round_off) {
+            let y: Vec<_> = y.iter().map(|&x| widen(x)).collect();
+            let levels = in_levels((h.value(&y) - *h_ref).to_f64(), round_off);
             raise(&mut self.leg.independent_levels, levels);
         }
     }
@@ -286,9 +257,8 @@ pub(crate) fn run<T: Float>(
     };
     let h_ref = stepper.certificate().energy.map(|energy| energy.start);
     // Nothing is wider than double-double.
-    watch.independent = h_ref
-        .filter(|_| T::MANTISSA_BITS < DoubleDouble::MANTISSA_BITS)
-        .map(|h_ref| Independent::new(problem.hamiltonian(), q.len() + p.len(), h_ref));
+    let h_ref = h_ref.filter(|_| T::MANTISSA_BITS < DoubleDouble::MANTISSA_BITS);
+    watch.independent = h_ref.map(|h_ref| (problem.hamiltonian().evaluator(), widen(h_ref)));
     for index in 1..=steps {
         let time = stepper.time();
         match stepper.advance() {

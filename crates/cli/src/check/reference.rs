@@ -74,21 +74,27 @@ pub(crate) fn truth<T: Float>(
 }
 
 fn closed<T: Float>(case: &Case, problem: &Problem, start: &State<T>, stride: u64) -> Samples<T> {
-    let widened = |all: &[T]| all.iter().map(|&x| widen(x)).collect::<Vec<_>>();
-    let start = (widened(&start.0), widened(&start.1));
-    let mut wide = Samples::none();
-    let Some(instance) = problem.instance() else {
-        return narrow(&wide);
+    let wide = |all: &[T]| all.iter().map(|&x| widen(x)).collect::<Vec<_>>();
+    let narrow = |all: Vec<DoubleDouble>| -> Vec<T> {
+        let all = all.into_iter();
+        all.map(|x| T::from_expansion(x.expansion())).collect()
     };
-    let h = DoubleDouble::exact(case.h);
+    let (start, h) = (
+        (wide(&start.0), wide(&start.1)),
+        DoubleDouble::exact(case.h),
+    );
+    let mut samples = Samples::none();
     for index in 0..=case.steps / stride {
         let t = DoubleDouble::int((index * stride) as i64) * h;
-        let state = instance.flow(&start, t).or_else(|| instance.exact(t));
+        let state = problem.instance().and_then(|instance| {
+            let state = instance.flow(&start, t);
+            state.or_else(|| instance.exact(t))
+        });
         if let Some((q, p)) = state {
-            wide.push(&q, &p);
+            samples.push(&narrow(q), &narrow(p));
         }
     }
-    narrow(&wide)
+    samples
 }
 
 fn stored<T: Float>(case: &Case, problem: &Problem) -> Option<Truth<T>> {
@@ -141,17 +147,6 @@ fn every<T: Float>(
         }
     }
     samples
-}
-
-fn narrow<T: Float>(wide: &Samples<DoubleDouble>) -> Samples<T> {
-    Samples {
-        n: wide.n,
-        states: wide
-            .states
-            .iter()
-            .map(|x| T::from_expansion(x.expansion()))
-            .collect(),
-    }
 }
 
 /// Largest error over the samples both have, relative to the largest q and the largest p of the reference;

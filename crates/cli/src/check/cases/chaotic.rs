@@ -1,11 +1,10 @@
 //! Chaotic orbits, separatrices, hard collisions, and motion that symmetric methods do not like.
 
-use crate::check::case::{BuildFault, Case, End, Kind, Problem, Reference, Trajectory, scene};
-use equip_autodiff::Hamiltonian;
-use equip_scalar::{Constant, ratio};
+use crate::check::case::{Case, End, Kind, Problem, Reference, Trajectory};
+use equip_autodiff::{Hamiltonian, Var};
+use equip_scalar::ratio;
 use std::f64::consts::TAU;
 
-const THEME: &str = "chaotic";
 /// Nothing is compared beyond the time at which round-off has grown to the size of the orbit.
 const UNPREDICTABLE: Trajectory =
     Trajectory::Open("beyond the predictability horizon: energy and outcomes only");
@@ -29,7 +28,7 @@ fn henon_heiles(all: &mut Vec<Case>) {
     for energy in ["1/12", "1/8", "1/6"] {
         let name = format!("Hénon–Heiles E={energy}");
         let parameters = [("energy", energy), ("q2", "0.1"), ("p2", "0.1")];
-        let case = || Case::new(THEME, name.clone(), scene("henon-heiles", &parameters));
+        let case = || Case::scene(name.clone(), "henon-heiles", &parameters);
         for s in [3, 4, 6] {
             for h in [0.5, 0.25] {
                 let steps = (50.0 / h) as u64;
@@ -46,18 +45,17 @@ fn henon_heiles(all: &mut Vec<Case>) {
         ("0.245", 0.7, 5.3),
         ("2", 2.0, 2.7),
     ] {
-        let start = move || -> Result<Problem, BuildFault> {
-            let h = Hamiltonian::new(2, |q, p| {
+        let start = move || {
+            let energy = |q: &[Var], p: &[Var]| {
                 0.5 * (p[0].powi(2) + p[1].powi(2) + q[0].powi(2) + q[1].powi(2))
                     + q[0].powi(2) * q[1]
                     - ratio(1, 3) * q[1].powi(3)
-            })?;
-            let zero = Constant::from(0.0);
-            Ok(Problem::new(h, &[zero, zero], &[zero, speed.into()]))
+            };
+            Problem::recorded(energy, &[0.0, 0.0], &[0.0, speed])
         };
         for s in [3, 4, 6] {
             let name = format!("Hénon–Heiles E={text}, escape");
-            let case = Case::new(THEME, name, start).stages(s).steps(2000, 0.1);
+            let case = Case::new(name, start).stages(s).steps(2000, 0.1);
             all.push(case.ending(End::Error(
                 &[Kind::Escape],
                 after,
@@ -77,7 +75,7 @@ fn pendulum(all: &mut Vec<Case>) {
         let name = format!("pendulum p={p}");
         for (s, h) in [(3, 0.25), (4, 0.25), (4, 0.5), (6, 0.5)] {
             all.push(
-                Case::new(THEME, name.clone(), scene("pendulum", &[("p", p)]))
+                Case::scene(name.clone(), "pendulum", &[("p", p)])
                     .stages(s)
                     .steps((end / h) as u64, h)
                     .against(Reference::Closed),
@@ -90,7 +88,7 @@ fn double_pendulum(all: &mut Vec<Case>) {
     let parameters = [("q1", "0"), ("q2", "0"), ("p1", "0"), ("p2", "3.873")];
     for s in [3, 4, 6] {
         let name = "double pendulum, chaotic";
-        let case = Case::new(THEME, name, scene("double-pendulum", &parameters)).stages(s);
+        let case = Case::scene(name, "double-pendulum", &parameters).stages(s);
         let case = case.steps(256, 1.0 / 32.0).against(fine());
         all.push(case);
     }
@@ -98,32 +96,31 @@ fn double_pendulum(all: &mut Vec<Case>) {
 
 /// Two atoms head on at 200 times the depth of the well, one of them a little off; and seven in disorder.
 fn lennard_jones(all: &mut Vec<Case>) {
-    let two = || -> Result<Problem, BuildFault> {
-        let h = Hamiltonian::new(4, |q, p| {
+    let two = || {
+        let energy = |q: &[Var], p: &[Var]| {
             let (dx, dy) = (q[0] - q[2], q[1] - q[3]);
             let sixth = (dx * dx + dy * dy).powi(-3);
             let kinetic = p[0].powi(2) + p[1].powi(2) + p[2].powi(2) + p[3].powi(2);
             0.5 * kinetic + 4.0 * (sixth * sixth - sixth)
-        })?;
+        };
         let moment = Hamiltonian::new(4, |q, p| {
             q[0] * p[1] - q[1] * p[0] + q[2] * p[3] - q[3] * p[2]
         })?;
-        let start = [-1.5, 0.0, 1.5, 0.05].map(Constant::from);
-        let speed = [14.0, 0.0, -14.0, 0.0].map(Constant::from);
-        Ok(Problem::new(h, &start, &speed).keeping("angular momentum", moment))
+        let two = Problem::recorded(energy, &[-1.5, 0.0, 1.5, 0.05], &[14.0, 0.0, -14.0, 0.0])?;
+        Ok(two.keeping("angular momentum", moment))
     };
     for s in [3, 4, 6] {
         for h in [4e-3, 1e-3] {
             let name = "Lennard-Jones, hard collision";
-            let case = Case::new(THEME, name, two).stages(s);
+            let case = Case::new(name, two).stages(s);
             let case = case.steps((0.4 / h) as u64, h).against(fine());
             all.push(case);
         }
     }
-    let seven = Case::new(
-        THEME,
+    let seven = Case::scene(
         "Lennard-Jones, 7 fast atoms",
-        scene("lennard-jones", &[("n", "7"), ("speed", "10")]),
+        "lennard-jones",
+        &[("n", "7"), ("speed", "10")],
     );
     let against = Reference::fine(6, 2);
     all.push(seven.steps(500, 1e-3).against(against).quick(false));
@@ -133,7 +130,7 @@ fn lennard_jones(all: &mut Vec<Case>) {
 fn faou_hairer_pham(all: &mut Vec<Case>) {
     for s in [3, 4, 6] {
         let name = "Faou–Hairer–Pham";
-        let case = || Case::new(THEME, name, scene("faou-hairer-pham", &[])).stages(s);
+        let case = || Case::scene(name, "faou-hairer-pham", &[]).stages(s);
         all.push(case().steps(500, 0.16).against(fine()));
         all.push(case().steps(20_000, 0.16).trajectory(Trajectory::Open(
             "a long run for the energy; the energy of Gauss drifts",
@@ -147,15 +144,11 @@ fn charged_particle(all: &mut Vec<Case>) {
         for s in [3, 4, 6] {
             let name = format!("charged particle b={b}");
             let h = TAU / b.parse::<f64>().unwrap_or(1.0) / per_turn;
-            let case = Case::new(THEME, name, scene("charged-particle", &[("b", b)]));
+            let case = Case::scene(name, "charged-particle", &[("b", b)]);
             all.push(case.stages(s).steps(500, h).against(fine()));
         }
     }
-    let dd = Case::new(
-        THEME,
-        "charged particle b=1",
-        scene("charged-particle", &[]),
-    );
+    let dd = Case::scene("charged particle b=1", "charged-particle", &[]);
     let dd = dd.double_double().stages(6).steps(100, TAU / 20.0);
     all.push(dd.against(Reference::fine(12, 2)));
 }

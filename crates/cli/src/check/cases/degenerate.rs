@@ -1,11 +1,8 @@
 //! Starts at rest, energies without curvature or without a derivative, NaN and infinity inside a step, all
 //! numbers of stages.
 
-use crate::check::case::{BuildFault, Case, End, Kind, Problem, Reference, Trajectory, scene};
-use equip_autodiff::{Hamiltonian, Var};
-use equip_scalar::Constant;
-
-const THEME: &str = "degenerate";
+use crate::check::case::{Case, End, Kind, Problem, Reference, Trajectory};
+use equip_autodiff::Var;
 
 pub(crate) fn cases() -> Vec<Case> {
     let mut all = Vec::new();
@@ -19,9 +16,8 @@ pub(crate) fn cases() -> Vec<Case> {
 
 /// One degree of freedom, p²/2 + U(q), from doubles.
 fn particle(name: &'static str, potential: fn(Var) -> Var, q: f64, p: f64) -> Case {
-    Case::new(THEME, name, move || -> Result<Problem, BuildFault> {
-        let h = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + potential(q[0]))?;
-        Ok(Problem::new(h, &[Constant::from(q)], &[Constant::from(p)]))
+    Case::new(name, move || {
+        Problem::recorded(|q, p| 0.5 * p[0] * p[0] + potential(q[0]), &[q], &[p])
     })
 }
 
@@ -29,7 +25,7 @@ fn particle(name: &'static str, potential: fn(Var) -> Var, q: f64, p: f64) -> Ca
 fn at_rest(all: &mut Vec<Case>) {
     let pendulum = |name, q: &str| {
         let values = [("q", q), ("p", "0")];
-        Case::new(THEME, name, scene("pendulum", &values)).against(Reference::Closed)
+        Case::scene(name, "pendulum", &values).against(Reference::Closed)
     };
     all.push(pendulum("pendulum at rest, hanging", "0"));
     all.push(pendulum(
@@ -37,7 +33,7 @@ fn at_rest(all: &mut Vec<Case>) {
         "3.141592653589793",
     ));
     let none = [("energy", "0"), ("q2", "0"), ("p2", "0")];
-    let still = Case::new(THEME, "Hénon–Heiles at rest", scene("henon-heiles", &none));
+    let still = Case::scene("Hénon–Heiles at rest", "henon-heiles", &none);
     all.push(
         still
             .trajectory(Trajectory::Within(0.0))
@@ -125,10 +121,10 @@ fn domains(all: &mut Vec<Case>) {
 /// s = 2 … 20.
 fn every_number_of_stages(all: &mut Vec<Case>) {
     for s in [2, 3, 4, 5, 6, 8, 10, 12, 16, 20] {
-        let case = Case::new(
-            THEME,
+        let case = Case::scene(
             "Hénon–Heiles E=1/12, every s",
-            scene("henon-heiles", &[("energy", "1/12")]),
+            "henon-heiles",
+            &[("energy", "1/12")],
         );
         let case = case
             .stages(s)

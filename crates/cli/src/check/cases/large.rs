@@ -1,8 +1,7 @@
 //! Many degrees of freedom.
 
-use crate::check::case::{Case, Reference, Trajectory, scene};
+use crate::check::case::{Case, Reference, Trajectory};
 
-const THEME: &str = "large";
 /// Degrees of freedom of the largest systems that Newton's method may have to solve.
 const AFFORDABLE: usize = 40;
 
@@ -11,7 +10,7 @@ pub(crate) fn cases() -> Vec<Case> {
     for m in [1, 2, 5, 10, 20, AFFORDABLE] {
         let n = m.to_string();
         let name = format!("FPUT chain, m={m}");
-        let row = Case::new(THEME, name, scene("fput-beta", &[("n", &n)]));
+        let row = Case::scene(name, "fput-beta", &[("n", &n)]);
         let row = row.stages(if m > 10 { 3 } else { 4 }).steps(50, 0.2);
         let row = row.against(fine());
         all.push(if m == 2 { row.known_deficit(11.0) } else { row });
@@ -20,16 +19,12 @@ pub(crate) fn cases() -> Vec<Case> {
         let n = m.to_string();
         for (modulation, reference) in [("0", Reference::Closed), ("0.1", fine())] {
             let name = format!("dnls, m={m}, modulation {modulation}");
-            let row = Case::new(
-                THEME,
-                name,
-                scene("dnls", &[("n", &n), ("modulation", modulation)]),
-            );
+            let row = Case::scene(name, "dnls", &[("n", &n), ("modulation", modulation)]);
             let row = row.stages(if m > 8 { 3 } else { 4 }).steps(50, 0.2);
             all.push(row.against(reference));
         }
         let name = format!("sine-Gordon, m={m}");
-        let row = Case::new(THEME, name, scene("sine-gordon", &[("n", &n)]));
+        let row = Case::scene(name, "sine-gordon", &[("n", &n)]);
         let row = row
             .stages(if m > 8 { 3 } else { 4 })
             .steps(50, 10.0 / m as f64);
@@ -49,7 +44,7 @@ pub(crate) fn cases() -> Vec<Case> {
 /// stiff springs, and with springs too stiff for halves.
 fn many() -> Vec<Case> {
     let row = |name: &str, scene_name: &'static str, values: &[(&'static str, &str)]| {
-        Case::new(THEME, name, scene(scene_name, values))
+        Case::scene(name, scene_name, values)
     };
     let springs = |omega: &'static str, h_omega: f64| {
         let name = format!("fpu, 16 springs of ω={omega}");

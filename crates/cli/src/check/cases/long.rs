@@ -1,19 +1,17 @@
 //! Long runs: the energy error must not grow with the number of steps.
 
-use crate::check::case::{Case, Reference, Trajectory, scene};
+use crate::check::case::{Case, Reference, Trajectory};
 use std::f64::consts::TAU;
-
-const THEME: &str = "long";
 
 pub(crate) fn cases() -> Vec<Case> {
     let kepler = |steps: u64| {
         let name = format!("Kepler e=0.6, {} periods", steps / 50);
-        Case::new(THEME, name, scene("kepler", &[("e", "0.6")])).steps(steps, TAU / 50.0)
+        Case::scene(name, "kepler", &[("e", "0.6")]).steps(steps, TAU / 50.0)
     };
     let henon_heiles = |steps: u64| {
         let name = format!("Hénon–Heiles E=1/8, t = {}", steps / 4);
         let values = [("energy", "1/8")];
-        let case = Case::new(THEME, name, scene("henon-heiles", &values)).steps(steps, 0.25);
+        let case = Case::scene(name, "henon-heiles", &values).steps(steps, 0.25);
         case.trajectory(Trajectory::Open("beyond the predictability horizon"))
     };
     vec![

@@ -1,12 +1,9 @@
 //! Close encounters: Kepler ellipses near a line, three bodies, the Moon passed at 0.006, a fall into the
 //! centre.
 
-use crate::check::case::{BuildFault, Case, End, Kind, Problem, Reference, Trajectory, scene};
-use equip_autodiff::Hamiltonian;
-use equip_scalar::Constant;
+use crate::check::case::{BuildFault, Case, End, Kind, Problem, Reference, Trajectory};
+use equip_autodiff::Var;
 use std::f64::consts::TAU;
-
-const THEME: &str = "singular";
 
 pub(crate) fn cases() -> Vec<Case> {
     let mut all = Vec::new();
@@ -27,7 +24,7 @@ fn kepler(all: &mut Vec<Case>) {
     for (e, few, enough) in sizes {
         let name = format!("Kepler e={e}");
         let case = |s: usize, n: u64, periods: u64| {
-            Case::new(THEME, name.clone(), scene("kepler", &[("e", e)]))
+            Case::scene(name.clone(), "kepler", &[("e", e)])
                 .stages(s)
                 .steps(periods * n, TAU / n as f64)
                 .against(Reference::Closed)
@@ -54,7 +51,7 @@ fn kepler(all: &mut Vec<Case>) {
             all.push(case(s, enough, periods).quick(enough <= 10_000));
         }
     }
-    let dd = Case::new(THEME, "Kepler e=0.9", scene("kepler", &[("e", "0.9")]));
+    let dd = Case::scene("Kepler e=0.9", "kepler", &[("e", "0.9")]);
     let dd = dd.double_double().stages(8).steps(300, TAU / 300.0);
     all.push(dd.against(Reference::Closed));
 }
@@ -63,7 +60,7 @@ fn kepler(all: &mut Vec<Case>) {
 fn arenstorf(all: &mut Vec<Case>) {
     const PERIOD: f64 = 17.065_216_560_157_96;
     for (s, steps) in [(4, 40_000), (6, 20_000)] {
-        let case = Case::new(THEME, "Arenstorf orbit 1", scene("arenstorf", &[])).stages(s);
+        let case = Case::scene("Arenstorf orbit 1", "arenstorf", &[]).stages(s);
         let case = case.steps(steps, PERIOD / steps as f64);
         all.push(case.against(Reference::Stored).quick(false));
     }
@@ -71,7 +68,7 @@ fn arenstorf(all: &mut Vec<Case>) {
 
 /// Burrau's three bodies: until t = 10, and through the pass at 0.0004 near t = 15.83.
 fn pythagorean(all: &mut Vec<Case>) {
-    let early = Case::new(THEME, "Pythagorean, t = 0 … 3", scene("pythagorean", &[]));
+    let early = Case::scene("Pythagorean, t = 0 … 3", "pythagorean", &[]);
     let early = early
         .stages(6)
         .steps(3000, 1e-3)
@@ -79,7 +76,7 @@ fn pythagorean(all: &mut Vec<Case>) {
     all.push(early.quick(false));
     for (s, h) in [(4, 1e-5), (6, 1e-5), (6, 4e-5)] {
         let name = "Pythagorean, t = 15.8 … 15.86";
-        let case = Case::new(THEME, name, close_pass).stages(s);
+        let case = Case::new(name, close_pass).stages(s);
         let case = case
             .steps((0.06_f64 / h).round() as u64, h)
             .against(Reference::fine(8, (h / 5e-6).round() as u64));
@@ -107,7 +104,7 @@ fn close_pass() -> Result<Problem, BuildFault> {
         6.772_004_431_134_598e-2,
     ];
     let h = instance.hamiltonian().clone();
-    let mut problem = Problem::new(h, &q.map(Constant::from), &p.map(Constant::from));
+    let mut problem = Problem::new(h, &q, &p);
     for kept in instance.invariants() {
         problem = problem.keeping(kept.name, kept.quantity.clone());
     }
@@ -116,15 +113,14 @@ fn close_pass() -> Result<Problem, BuildFault> {
 
 /// From rest straight into the centre, which is reached at t = π/√8.
 fn fall(all: &mut Vec<Case>) {
-    let start = || -> Result<Problem, BuildFault> {
-        let h = Hamiltonian::new(2, |q, p| {
+    let start = || {
+        let energy = |q: &[Var], p: &[Var]| {
             0.5 * (p[0].powi(2) + p[1].powi(2)) - 1.0 / (q[0].powi(2) + q[1].powi(2)).sqrt()
-        })?;
-        let [zero, one] = [0.0, 1.0].map(Constant::from);
-        Ok(Problem::new(h, &[one, zero], &[zero, zero]))
+        };
+        Problem::recorded(energy, &[1.0, 0.0], &[0.0, 0.0])
     };
     for (s, h) in [(3, 0.01), (4, 0.01), (6, 0.01), (4, 1e-3)] {
-        let case = Case::new(THEME, "fall into the centre", start).stages(s);
+        let case = Case::new("fall into the centre", start).stages(s);
         let case = case.steps((2.0 / h) as u64, h);
         let kinds = &[
             Kind::NotFinite,

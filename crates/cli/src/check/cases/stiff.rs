@@ -2,9 +2,8 @@
 //!
 //! Resolved rows (hω ≤ 3) are judged by the whole state, the others by their slow variables.
 
-use crate::check::case::{Case, End, Judged, Kind, Reference, Trajectory, scene};
+use crate::check::case::{Case, End, Judged, Kind, Reference, Trajectory};
 
-const THEME: &str = "stiff";
 const TOO_LARGE: &str = "so many oscillations in a step that the stage equations may have no solution that follows the motion";
 /// Largest hω at which an oscillation counts as resolved.
 const RESOLVED: f64 = 3.0;
@@ -43,7 +42,7 @@ fn fpu(all: &mut Vec<Case>) {
         |omega: &str, grid, divide, end| shared(format!("fpu {omega}"), grid, divide, 7, end);
     let case = |omega: &str, s: usize, h: f64, end: f64| {
         let name = format!("fpu ω={omega}");
-        let case = Case::new(THEME, name, scene("fpu", &[("omega", omega)]))
+        let case = Case::scene(name, "fpu", &[("omega", omega)])
             .stages(s)
             .omega(omega.parse().unwrap_or(0.0))
             .steps((end / h).round() as u64, h);
@@ -87,7 +86,7 @@ fn spring_pendulum(all: &mut Vec<Case>) {
             for &h in sizes {
                 let name = format!("spring pendulum k={k}");
                 let k_value: f64 = k.parse().unwrap_or(0.0);
-                let case = Case::new(THEME, name, scene("spring-pendulum", &[("k", k)]))
+                let case = Case::scene(name, "spring-pendulum", &[("k", k)])
                     .stages(s)
                     .omega(k_value.sqrt())
                     .steps((end / h).round() as u64, h)
@@ -107,7 +106,7 @@ fn double_pendulum(all: &mut Vec<Case>) {
                 let h = 0.5_f64.powi(power);
                 let name = format!("stiff double pendulum C={c}");
                 let c_value: f64 = c.parse().unwrap_or(0.0);
-                let case = Case::new(THEME, name, scene("stiff-double-pendulum", &[("c", c)]))
+                let case = Case::scene(name, "stiff-double-pendulum", &[("c", c)])
                     .stages(s)
                     .omega(2.2 * c_value)
                     .steps((2.0 / h).round() as u64, h)

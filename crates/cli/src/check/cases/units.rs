@@ -1,14 +1,11 @@
 //! The same motion in other units, with a constant added to H, and with steps from 1e-8 to 1e+2 of the
 //! period.
 
-use crate::check::case::{
-    BuildFault, Builder, Case, End, Kind, Problem, Reference, Trajectory, scene,
-};
-use equip_autodiff::Hamiltonian;
+use crate::check::case::{BuildFault, Builder, Case, End, Kind, Problem, Reference, Trajectory};
+use equip_autodiff::{Hamiltonian, Var};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use std::f64::consts::TAU;
 
-const THEME: &str = "units";
 /// Scaled numbers round otherwise: 100 steps of 1/16 of Kepler e = 0.6 differ by up to 2.7e-14 (f64) and
 /// 8.3e-29 (double-double).
 const SAME: Trajectory = Trajectory::Within(1e-11);
@@ -52,7 +49,7 @@ fn kepler(all: &mut Vec<Case>) {
         let (l, m, t) = (k * l, k * m, k * t);
         let name = format!("Kepler in 1e{l} lengths, 1e{m} masses, 1e{t} times");
         let one: Builder = Box::new(|| in_units(0, 0, 0));
-        Case::new(THEME, name, move || in_units(l, m, t))
+        Case::new(name, move || in_units(l, m, t))
             .steps(100, 10.0_f64.powi(t) / 16.0)
             .against(Reference::Scaled {
                 problem: one,
@@ -81,17 +78,16 @@ fn kepler(all: &mut Vec<Case>) {
 
 /// p²/2 + q⁴/4 with amplitude 2^k: H near the largest and the smallest doubles.
 fn quartic(all: &mut Vec<Case>) {
-    let problem = |k: i32| -> Result<Problem, BuildFault> {
-        let h = Hamiltonian::new(1, |q, p| 0.5 * p[0].powi(2) + 0.25 * q[0].powi(4))?;
-        let amplitude = Constant::from(2.0_f64.powi(k));
-        Ok(Problem::new(h, &[amplitude], &[0.0.into()]))
+    let problem = |k: i32| {
+        let energy = |q: &[Var], p: &[Var]| 0.5 * p[0].powi(2) + 0.25 * q[0].powi(4);
+        Problem::recorded(energy, &[2.0_f64.powi(k)], &[0.0])
     };
     // Powers of two scale without rounding. H = 2^(4k − 2): 2^1018, 2^-962, and 2^-1062, where doubles are
     // subnormal.
     for k in [255, -240, -265] {
         let one: Builder = Box::new(move || problem(0));
         let name = format!("quartic, H = 2^{}", 4 * k - 2);
-        let case = Case::new(THEME, name, move || problem(k));
+        let case = Case::new(name, move || problem(k));
         let case = case.steps(100, 0.1 * 2.0_f64.powi(-k));
         all.push(
             case.against(Reference::Scaled {
@@ -105,19 +101,18 @@ fn quartic(all: &mut Vec<Case>) {
 
 /// Kepler with a constant added to H: the same motion, the round-off level of the constant.
 fn shifted(all: &mut Vec<Case>) {
-    let problem = || -> Result<Problem, BuildFault> {
-        let h = Hamiltonian::new(2, |q, p| {
+    let problem = || {
+        let energy = |q: &[Var], p: &[Var]| {
             0.5 * (p[0].powi(2) + p[1].powi(2)) - 1.0 / (q[0].powi(2) + q[1].powi(2)).sqrt() + 1e10
-        })?;
-        let [zero, two] = [0.0, 2.0].map(Constant::from);
-        Ok(Problem::new(h, &[0.4.into(), zero], &[zero, two]))
+        };
+        Problem::recorded(energy, &[0.4, 0.0], &[0.0, 2.0])
     };
     let fine = || Reference::fine(10, 4);
     for (s, n) in [(3, 160), (3, 40), (4, 80), (6, 40)] {
-        let case = Case::new(THEME, "Kepler e=0.6, H + 1e10", problem).stages(s);
+        let case = Case::new("Kepler e=0.6, H + 1e10", problem).stages(s);
         all.push(case.steps(3 * n, TAU / n as f64).against(fine()));
     }
-    let dd = Case::new(THEME, "Kepler e=0.6, H + 1e10", problem).double_double();
+    let dd = Case::new("Kepler e=0.6, H + 1e10", problem).double_double();
     all.push(dd.stages(6).steps(120, TAU / 60.0).against(fine()));
 }
 
@@ -131,7 +126,7 @@ fn steps(all: &mut Vec<Case>) {
         let (of, values) = parameters;
         for power in -8..=2 {
             let name = format!("{name}, h = 1e{power} periods");
-            let case = Case::new(THEME, name, scene(of, &values));
+            let case = Case::scene(name, of, &values);
             let case = case
                 .steps(100, period * 10.0_f64.powi(power))
                 .against(Reference::Closed);
