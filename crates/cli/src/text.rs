@@ -6,17 +6,19 @@ use std::io::{self, Write, stderr, stdout};
 pub(crate) const WIDTH: usize = 100;
 
 /// The words of `text` on lines of at most [`WIDTH`] columns: the first begins with `label`, filled up to
-/// `indent`, the others with as many blanks. A word that is longer than a line has one of its own.
+/// `indent`, the others with as many blanks.
 pub(crate) fn wrapped(label: &str, indent: usize, text: &str) -> String {
-    let mut lines = String::new();
+    lines(label, indent, text, WIDTH).join("\n")
+}
+
+/// The same with lines of at most `width` columns. A word that is longer than a line has one of its own.
+pub(crate) fn lines(label: &str, indent: usize, text: &str, width: usize) -> Vec<String> {
+    let mut lines = Vec::new();
     let mut line = format!("{label:<indent$}");
     let mut is_empty = true;
     for word in text.split_whitespace() {
-        let length = line.chars().count() + usize::from(!is_empty) + word.chars().count();
-        if !is_empty && length > WIDTH {
-            lines += &line;
-            lines.push('\n');
-            line = " ".repeat(indent);
+        if !is_empty && line.chars().count() + 1 + word.chars().count() > width {
+            lines.push(std::mem::replace(&mut line, " ".repeat(indent)));
             is_empty = true;
         }
         if !is_empty {
@@ -25,7 +27,9 @@ pub(crate) fn wrapped(label: &str, indent: usize, text: &str) -> String {
         line += word;
         is_empty = false;
     }
-    lines + line.trim_end()
+    line.truncate(line.trim_end().len());
+    lines.push(line);
+    lines
 }
 
 /// The same text, with numbers of more than 60 places, which are zeros mostly, in powers of ten.

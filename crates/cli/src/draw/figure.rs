@@ -2,6 +2,7 @@
 
 use crate::draw::page::page;
 use crate::draw::svg::{Anchor, BAND, FAINT, INK, Mark, Svg, escape};
+use crate::text::lines;
 use std::path::Path;
 
 /// Width of a sample in the legend, and height of a row of samples or text.
@@ -89,7 +90,8 @@ impl Figure {
             count => count.clamp(1, 2),
         };
         let width = wide * columns as f64;
-        let facts = lines(&self.facts, (width - 40.0) / 6.7);
+        let mut facts = lines("", 0, &self.facts, ((width - 40.0) / 6.7).ceil() as usize);
+        facts.retain(|line| !line.is_empty());
         let mut y = 34.0 + ROW * facts.len() as f64;
         // Where the entries of the legend stand.
         let (mut x, mut entries) = (24.0, Vec::new());
@@ -139,19 +141,4 @@ impl Figure {
             escape(&self.facts)
         )
     }
-}
-
-/// The words of a text on lines of about so many characters.
-fn lines(text: &str, length: f64) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ').filter(|word| !word.is_empty()) {
-        match lines.last_mut() {
-            Some(line) if ((line.chars().count() + word.chars().count()) as f64) < length => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
 }

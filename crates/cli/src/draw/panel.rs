@@ -198,64 +198,58 @@ impl Panel {
             let (_, y) = self.at((1.0, round_off));
             svg.rectangle((self.left, y), (self.width, bottom - y), BAND);
         }
-        // Pixels of what is a number of the axes, its logarithm if they are logarithmic.
-        let along = |x: f64| self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
-        let up = |y: f64| bottom - self.height * (y - self.y.low) / (self.y.high - self.y.low);
-        for x in self.x.between_decades().into_iter().map(along) {
-            svg.line((x, self.top), (x, bottom), FINE_GRID, 1.0);
+        for is_x in [true, false] {
+            for at in self.axis(is_x).between_decades() {
+                let (from, to) = self.across(is_x, at);
+                svg.line(from, to, FINE_GRID, 1.0);
+            }
+            for (at, text) in self.axis(is_x).twos_and_fives() {
+                let (place, anchor) = self.label(is_x, at, (21.0, 4.0));
+                svg.text(place, 12, anchor, FAINT, &text);
+            }
         }
-        for (x, text) in self.x.twos_and_fives() {
-            svg.text((along(x), bottom + 21.0), 12, Anchor::Middle, FAINT, &text);
+        for (is_x, count) in [(true, self.width / 80.0), (false, self.height / 45.0)] {
+            let axis = self.axis(is_x);
+            let (unit, ticks) = axis.ticks(count);
+            for tick in ticks {
+                let (from, to) = self.across(is_x, tick);
+                svg.line(from, to, GRID, 1.0);
+                let (place, anchor) = self.label(is_x, tick, (22.0, 4.5));
+                tick_label(svg, axis, place, anchor, tick, unit);
+            }
         }
-        for y in self.y.between_decades().into_iter().map(up) {
-            svg.line((self.left, y), (right, y), FINE_GRID, 1.0);
+        let corner = (self.left, bottom);
+        svg.line((self.left, self.top), corner, FAINT, 1.2);
+        svg.line(corner, (right, bottom), FAINT, 1.2);
+        let (x, y) = (self.left + self.width / 2.0, self.top + self.height / 2.0);
+        svg.text((x, bottom + 48.0), 15, Anchor::Middle, INK, &self.x.label);
+        svg.upward_text((self.left - 62.0, y), 15, &self.y.label);
+    }
+
+    fn axis(&self, is_x: bool) -> &Axis {
+        if is_x { &self.x } else { &self.y }
+    }
+
+    /// The line across the panel at a number of an axis, its logarithm if that is logarithmic.
+    fn across(&self, is_x: bool, at: f64) -> ((f64, f64), (f64, f64)) {
+        let Axis { low, high, .. } = self.axis(is_x);
+        let (right, bottom) = (self.left + self.width, self.top + self.height);
+        if is_x {
+            let x = self.left + self.width * (at - low) / (high - low);
+            ((x, self.top), (x, bottom))
+        } else {
+            let y = bottom - self.height * (at - low) / (high - low);
+            ((self.left, y), (right, y))
         }
-        for (y, text) in self.y.twos_and_fives() {
-            svg.text(
-                (self.left - 10.0, up(y) + 4.0),
-                12,
-                Anchor::End,
-                FAINT,
-                &text,
-            );
+    }
+
+    /// Where the label of that line stands, `down` pixels below its lower or its left end.
+    fn label(&self, is_x: bool, at: f64, down: (f64, f64)) -> ((f64, f64), Anchor) {
+        let (from, to) = self.across(is_x, at);
+        match is_x {
+            true => ((to.0, to.1 + down.0), Anchor::Middle),
+            false => ((from.0 - 10.0, from.1 + down.1), Anchor::End),
         }
-        let (unit, ticks) = self.x.ticks(self.width / 80.0);
-        for tick in ticks {
-            let x = along(tick);
-            svg.line((x, self.top), (x, bottom), GRID, 1.0);
-            tick_label(svg, &self.x, (x, bottom + 22.0), Anchor::Middle, tick, unit);
-        }
-        let (unit, ticks) = self.y.ticks(self.height / 45.0);
-        for tick in ticks {
-            let y = up(tick);
-            svg.line((self.left, y), (right, y), GRID, 1.0);
-            tick_label(
-                svg,
-                &self.y,
-                (self.left - 10.0, y + 4.5),
-                Anchor::End,
-                tick,
-                unit,
-            );
-        }
-        for (from, to) in [
-            ((self.left, self.top), (self.left, bottom)),
-            ((self.left, bottom), (right, bottom)),
-        ] {
-            svg.line(from, to, FAINT, 1.2);
-        }
-        svg.text(
-            (self.left + self.width / 2.0, bottom + 48.0),
-            15,
-            Anchor::Middle,
-            INK,
-            &self.x.label,
-        );
-        svg.upward_text(
-            (self.left - 62.0, self.top + self.height / 2.0),
-            15,
-            &self.y.label,
-        );
     }
 }
 
