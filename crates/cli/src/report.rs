@@ -158,9 +158,8 @@ fn measured<T: Float>(
     bar: &ProgressBar,
 ) -> Result<Results, Fault> {
     let subject = Subject::<T>::new(entry)?;
-    let curves = curves(&subject, &contenders(stages), budget, |text| {
-        bar.set_message(text.to_owned())
-    });
+    let say = |text| bar.set_message(text);
+    let curves = curves(&subject, &contenders(stages), budget, say);
     let invariants: Vec<_> = (subject.instance.invariants().iter())
         .map(|invariant| invariant.name)
         .collect();

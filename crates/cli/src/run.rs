@@ -3,8 +3,8 @@
 mod asked;
 mod comparison;
 mod curve;
-mod finished;
-mod integrator;
+pub(crate) mod finished;
+pub(crate) mod integrator;
 mod json;
 mod method;
 mod picture;

@@ -11,11 +11,13 @@ use crate::draw::chart::{Line, Plot, Spot, chart};
 use crate::draw::figure::Look;
 use crate::draw::svg::{EQUIP, GAUSS, Mark};
 use crate::fault::Fault;
+use crate::run::finished::largest_difference;
+use crate::run::integrator::equip_or_gauss;
 use crate::run::progress::steps_of;
 use crate::text::Print;
-use crate::write::outputs::{Drawing, apart, printed};
+use crate::write::outputs::Drawing;
 use cpu_time::ThreadTime;
-use equip_integrate::{Certificate, Equip, Gauss, IntegrateError, Method, Record, StepView};
+use equip_integrate::{Certificate, IntegrateError, Method, Record, StepView};
 use equip_scenes::Instance;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -90,18 +92,13 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
         let expected = "at most 6 values, so that the picture stays legible";
         return Err(Fault::option("--tolerances", value, expected));
     }
-    apart(&[
-        ("--plot", Some(&args.plot)),
-        ("--csv", args.csv.as_deref()),
-        printed(),
-    ])?;
+    let mut drawing = Drawing::new(&args.plot, args.csv.as_deref())?;
     for is_equip in [true, false] {
         for &(text, tolerance) in &tolerances {
-            let method = method(is_equip, args.stages);
+            let method = equip_or_gauss(is_equip, args.stages);
             accepted(method, text, tolerance, &orbits)?;
         }
     }
-    let mut drawing = Drawing::new(&args.plot, args.csv.as_deref())?;
     let bar = steps_of("runs", 2 * orbits.len() * tolerances.len());
     let mut curves = Vec::new();
     let mut out = Print::default();
@@ -154,14 +151,6 @@ fn numbers(last: u64) -> Vec<u64> {
     numbers
 }
 
-/// EQUIP or Gauss.
-fn method(is_equip: bool, stages: usize) -> Method {
-    match is_equip {
-        true => Equip::stages(stages),
-        false => Gauss::stages(stages),
-    }
-}
-
 /// One run, with its errors and energy errors on the way.
 pub(crate) fn follow(
     eccentricity: &str,
@@ -185,7 +174,7 @@ pub(crate) fn follow(
         ControlFlow::Continue(())
     };
     let begun = ThreadTime::now();
-    let run = method(is_equip, stages)
+    let run = equip_or_gauss(is_equip, stages)
         .tolerance(number::<f64>("--tolerances", tolerance)?)
         .record(Record::Ends)
         .output_at(&times)
@@ -195,8 +184,7 @@ pub(crate) fn follow(
     energies.resize(times.len(), most);
     let error = |(t, q, p): (f64, &[f64], &[f64])| {
         let (exact_q, exact_p) = instance.exact(t).unwrap_or_default();
-        let pairs = q.iter().chain(p).zip(exact_q.iter().chain(&exact_p));
-        pairs.fold(0.0, |most: f64, (x, y)| most.max((x - y).abs()))
+        largest_difference(q, &exact_q).max(largest_difference(p, &exact_p))
     };
     let certificate = run.certificate().clone();
     let start = certificate.energy.as_ref().map_or(1.0, |e| e.start.abs());

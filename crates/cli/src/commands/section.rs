@@ -10,7 +10,7 @@ use crate::draw::panel::{Axis, Panel};
 use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS};
 use crate::fault::Fault;
 use crate::run::progress::steps_of;
-use crate::write::outputs::{Drawing, apart, printed};
+use crate::write::outputs::Drawing;
 use equip_integrate::{Equip, Event, Record};
 use equip_scenes::Scene;
 use std::fmt::Write as _;
@@ -37,11 +37,6 @@ pub(crate) fn section(args: &SectionArgs) -> Result<(), Fault> {
     if !end.is_finite() {
         return Err(Fault::option("--until", &args.until, "finite"));
     }
-    apart(&[
-        ("--plot", Some(&args.plot)),
-        ("--csv", args.csv.as_deref()),
-        printed(),
-    ])?;
     let mut drawing = Drawing::new(&args.plot, args.csv.as_deref())?;
     let mut orbits: Vec<Crossings> = Vec::new();
     let (mut worst, mut steps) = (0.0f64, 0);

@@ -1,8 +1,9 @@
 //! The methods of the report, and how one run of each is made and measured.
 
 use super::subject::Subject;
+use crate::run::integrator::equip_or_gauss;
 use cpu_time::ThreadTime;
-use equip_integrate::{Certificate, Equip, Gauss, Invariant, Method, Record};
+use equip_integrate::{Certificate, Invariant, Method, Record};
 use equip_scalar::Float;
 
 /// A method of the report.
@@ -64,11 +65,7 @@ impl Contender {
     }
 
     fn method(&self) -> Method {
-        if self.is_equip {
-            Equip::stages(self.stages)
-        } else {
-            Gauss::stages(self.stages)
-        }
+        equip_or_gauss(self.is_equip, self.stages)
     }
 
     /// Setting number `k`, from coarse to fine.

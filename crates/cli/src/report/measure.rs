@@ -25,19 +25,17 @@ pub(super) struct Point {
 
 impl Point {
     pub(super) fn median(&self) -> f64 {
-        self.milliseconds
-            .get(self.milliseconds.len() / 2)
-            .copied()
-            .unwrap_or(f64::NAN)
+        self.repeat(self.milliseconds.len() / 2)
     }
 
     /// Least and most.
     pub(super) fn spread(&self) -> (f64, f64) {
-        let end = |x: Option<&f64>| x.copied().unwrap_or(f64::NAN);
-        (
-            end(self.milliseconds.first()),
-            end(self.milliseconds.last()),
-        )
+        let last = self.milliseconds.len().saturating_sub(1);
+        (self.repeat(0), self.repeat(last))
+    }
+
+    fn repeat(&self, k: usize) -> f64 {
+        self.milliseconds.get(k).copied().unwrap_or(f64::NAN)
     }
 }
 
@@ -64,28 +62,19 @@ pub(super) fn curves<T: Float>(
     subject: &Subject<T>,
     contenders: &[Contender],
     budget: Budget,
-    mut say: impl FnMut(&str),
+    say: impl Fn(String),
 ) -> Vec<Curve> {
     let begun = Instant::now();
     // The climbs may use half of the time; the rest is for repeats.
     let share = budget.scene / (2 * contenders.len().max(1) as u32);
+    let name = format!("{} {}", subject.name, T::NAME);
     let mut curves = Vec::new();
     for contender in contenders {
-        say(&format!(
-            "{} {}: {}",
-            subject.name,
-            T::NAME,
-            contender.name()
-        ));
+        say(format!("{name}: {}", contender.name()));
         curves.push(climb(subject, *contender, budget.run, share));
     }
     for round in 0..REPEATS {
-        say(&format!(
-            "{} {}: repeat {}",
-            subject.name,
-            T::NAME,
-            round + 1
-        ));
+        say(format!("{name}: repeat {}", round + 1));
         let round_begun = Instant::now();
         for curve in &mut curves {
             for point in &mut curve.points {
@@ -126,11 +115,8 @@ fn climb<T: Float>(
         let run_begun = Instant::now();
         match contender.watch(subject, setting) {
             Ok(outcome) => {
-                worse = if outcome.error < 0.5 * best {
-                    0
-                } else {
-                    worse + 1
-                };
+                let is_better = outcome.error < 0.5 * best;
+                worse = if is_better { 0 } else { worse + 1 };
                 best = best.min(outcome.error);
                 curve.points.push(Point {
                     setting,
@@ -143,11 +129,8 @@ fn climb<T: Float>(
         }
         let at_round_off = worse >= 2 && best < T::EPSILON.to_f64().sqrt();
         // Coarse settings may be slow where steps fail and are halved; finer ones then are faster.
-        slow = if run_begun.elapsed() > most {
-            slow + 1
-        } else {
-            0
-        };
+        let is_slow = run_begun.elapsed() > most;
+        slow = if is_slow { slow + 1 } else { 0 };
         if at_round_off || slow >= 3 || begun.elapsed() > share {
             break;
         }

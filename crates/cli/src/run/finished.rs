@@ -35,15 +35,15 @@ pub(crate) fn end_error<T: Float>(instance: &Instance, run: &Run<T>) -> Option<E
         ),
         None => ("the closed form".to_owned(), instance.exact(t)?),
     };
-    let largest = |found: &[T], exact: &[T]| {
-        found
-            .iter()
-            .zip(exact)
-            .fold(T::int(0), |most, (&x, &y)| most.max((x - y).abs()))
-    };
     Some(EndError {
         against,
-        q: largest(q, &q_exact),
-        p: largest(p, &p_exact),
+        q: largest_difference(q, &q_exact),
+        p: largest_difference(p, &p_exact),
     })
+}
+
+/// The largest difference of two components.
+pub(crate) fn largest_difference<T: Float>(found: &[T], exact: &[T]) -> T {
+    let differences = found.iter().zip(exact).map(|(&x, &y)| (x - y).abs());
+    differences.fold(T::int(0), |most, x| most.max(x))
 }

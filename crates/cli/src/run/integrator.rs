@@ -1,8 +1,18 @@
 //! The integrator of a run, from its options.
 
-use equip_integrate::{Checkpoint, Integrator, Method, Observer, Record, Run, RunFailure};
+use equip_integrate::{
+    Checkpoint, Equip, Gauss, Integrator, Method, Observer, Record, Run, RunFailure,
+};
 use equip_scalar::Float;
 use equip_scenes::Instance;
+
+/// The method EQUIP or Gauss.
+pub(crate) fn equip_or_gauss(is_equip: bool, stages: usize) -> Method {
+    match is_equip {
+        true => Equip::stages(stages),
+        false => Gauss::stages(stages),
+    }
+}
 
 /// Of `method`, with this tolerance or else this fixed step.
 pub(crate) fn integrator<T: Float>(method: Method, tolerance: Option<T>, step: T) -> Integrator<T> {

@@ -1,7 +1,6 @@
 //! The progress bar of long runs on a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
 
 /// Runs shorter than this show no bar.
@@ -17,9 +16,8 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// A bar for the run `name` of so many steps, if it is `wanted` and there is a terminal to see it.
+    /// A bar for the run `name` of so many steps, if it is `wanted`; it is seen on a terminal only.
     pub(crate) fn new(name: &'static str, steps: u64, wanted: bool) -> Self {
-        let wanted = wanted && stderr().is_terminal();
         Progress {
             begun: Instant::now(),
             name,
@@ -39,11 +37,8 @@ impl Progress {
             return;
         }
         if self.bar.is_none() && self.begun.elapsed() > PATIENCE {
-            let bar = ProgressBar::new(self.steps).with_message(self.name);
-            let style = ProgressStyle::with_template(
-                "{msg} {bar:40} {percent}% of {len} steps, {eta} to go",
-            );
-            self.bar = Some(bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
+            let template = "{msg} {bar:40} {percent}% of {len} steps, {eta} to go";
+            self.bar = Some(styled(self.steps, template).with_message(self.name));
         }
         if let Some(bar) = &self.bar {
             bar.set_position(index);
@@ -61,12 +56,12 @@ impl Drop for Progress {
 
 /// A bar over a known number of things on a terminal, nothing elsewhere.
 pub(crate) fn steps_of(things: &str, count: usize) -> ProgressBar {
-    if !stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template(&format!(
-        "{{bar:40}} {{pos}} of {{len}} {things}, {{elapsed}}  {{msg}}"
-    ));
+    let template = format!("{{bar:40}} {{pos}} of {{len}} {things}, {{elapsed}}  {{msg}}");
+    styled(count as u64, &template)
+}
+
+fn styled(length: u64, template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template);
     let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(count as u64).with_style(style)
+    ProgressBar::new(length).with_style(style)
 }

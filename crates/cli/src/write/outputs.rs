@@ -69,8 +69,9 @@ pub(crate) struct Drawing<'a> {
 
 impl<'a> Drawing<'a> {
     /// # Errors
-    /// [`Fault::Write`] if a file is to be in a directory that is not there.
+    /// As [`apart`]; [`Fault::Write`] if a file is to be in a directory that is not there.
     pub(crate) fn new(plot: &'a Path, csv: Option<&'a Path>) -> Result<Self, Fault> {
+        apart(&[("--plot", Some(plot)), ("--csv", csv), printed()])?;
         for path in [Some(plot), csv].into_iter().flatten() {
             let directory = path
                 .parent()
