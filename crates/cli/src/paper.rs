@@ -82,13 +82,15 @@ fn text(paper: &Paper) -> String {
     text += "\nError after two periods, largest component of (q, p), in double-double\n";
     text += "s  method               80 steps        160        320   order\n";
     for row in &paper.convergence {
-        let (s, method, [a, b, c, order]) = (row.stages, row.method.name(), row.cells());
+        let (s, method) = (row.stages, row.method.name());
+        let [a, b, c, order] = row.cells().map(|(_, figure)| figure);
         let _ = writeln!(text, "{s:<3}{method:<18}{a:>11}{b:>11}{c:>11}{order:>8}");
     }
     text += "\nKepler's problem, 1000 periods of 200 steps\n";
     text += "s  method                    error     max |ΔH|     max |ΔL|\n";
     for orbit in &paper.orbits {
-        let (s, method, [a, b, c]) = (orbit.stages, orbit.method.name(), orbit.cells());
+        let (s, method) = (orbit.stages, orbit.method.name());
+        let [a, b, c] = orbit.cells().map(|(_, figure)| figure);
         let _ = writeln!(text, "{s:<3}{method:<18}{a:>13}{b:>13}{c:>13}");
     }
     text

@@ -3,44 +3,22 @@
 use super::measure::Row;
 use super::outcomes::{LEGEND, outcomes};
 use super::summary::Summary;
-use super::verdict::Word;
-use crate::draw::page;
+use crate::draw::page::{Cell, Table, cell, page};
 use crate::draw::svg::escape;
-use std::fmt::Write;
-
-const COLUMNS: [&str; 13] = [
-    "case",
-    "setting",
-    "steps",
-    "outcomes",
-    "levels",
-    "energy",
-    "energy, Gauss",
-    "invariants",
-    "error",
-    "error, Gauss",
-    "ratio",
-    "seconds",
-    "verdict",
-];
 
 pub(crate) fn document(rows: &[Row<'_>], summary: &Summary) -> String {
-    let mut body = String::new();
+    let mut table = Table::default();
     let mut theme = "";
     for row in rows {
+        let cells = cells(row);
         if row.case.theme != theme {
             theme = row.case.theme;
-            push(
-                &mut body,
-                format_args!(
-                    "<tr class=\"theme\"><th colspan=\"{}\">{theme}</th></tr>",
-                    COLUMNS.len()
-                ),
-            );
+            table.push_heading("theme", cells.len(), theme);
         }
-        push(&mut body, format_args!("{}", line(row)));
+        let word = row.verdict.word.label().to_lowercase();
+        let class = word.split(' ').next().unwrap_or_default();
+        table.push(&format!(" class=\"{class}\""), &cells);
     }
-    let heads: String = COLUMNS.iter().map(|c| format!("<th>{c}</th>")).collect();
     let Summary {
         rows,
         passed,
@@ -54,51 +32,32 @@ pub(crate) fn document(rows: &[Row<'_>], summary: &Summary) -> String {
     let body = format!(
         "<h1>equip check {version}</h1>\n\
          <p><b>{rows}</b> rows: {passed} pass, {expected_errors} expected errors, {explained} explained, \
-         {known_deficits} known deficits, <b>{failed} fail</b>; {seconds:.1} s</p>\n<p><small>{legend}</small></p>\n\
-         <div class=\"wide\"><table class=\"rows\">\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{body}</tbody>\n</table></div>\n",
+         {known_deficits} known deficits, <b>{failed} fail</b>; {seconds:.1} s</p>\n<p><small>{legend}</small></p>\n{table}",
         version = env!("CARGO_PKG_VERSION"),
+        table = table.html("rows"),
     );
-    page::page("equip check", &body)
+    page("equip check", &body)
 }
 
-fn push(text: &mut String, line: std::fmt::Arguments<'_>) {
-    // Writing to a String does not fail.
-    let _ = writeln!(text, "{line}");
-}
-
-fn line(row: &Row<'_>) -> String {
+fn cells(row: &Row<'_>) -> Vec<Cell> {
     let m = &row.measured;
-    let class = match row.verdict.word {
-        Word::Pass => "pass",
-        Word::ExpectedError => "expected",
-        Word::Explained => "explained",
-        Word::KnownDeficit => "known",
-        Word::Fail => "fail",
-    };
     let number = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.1e}"));
     let plain = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.3}"));
-    let cells = [
-        escape(&row.case.name),
-        escape(&row.case.setting()),
-        m.equip.counts.steps.to_string(),
-        outcomes(&m.equip, "&nbsp;"),
-        plain(m.levels()),
-        number(Some(m.equip.energy)),
-        number(Some(m.gauss.energy)),
-        number(m.worst_invariant().map(|i| i.error)),
-        number(m.error),
-        number(m.gauss_error),
-        plain(m.ratio()),
-        format!("{:.2}", row.all_seconds),
-        format!(
-            "<b>{}</b> <small>{}</small>",
-            row.verdict.word.label(),
-            escape(&row.verdict.notes.join("; "))
-        ),
-    ];
-    let cells: String = cells
-        .iter()
-        .map(|cell| format!("<td>{cell}</td>"))
-        .collect();
-    format!("<tr class=\"{class}\">{cells}</tr>")
+    let notes = escape(&row.verdict.notes.join("; "));
+    let verdict = format!("<b>{}</b> <small>{notes}</small>", row.verdict.word.label());
+    vec![
+        cell("case", escape(&row.case.name)),
+        cell("setting", escape(&row.case.setting())),
+        cell("steps", m.equip.counts.steps.to_string()),
+        cell("outcomes", outcomes(&m.equip, "&nbsp;")),
+        cell("levels", plain(m.levels())),
+        cell("energy", number(Some(m.equip.energy))),
+        cell("energy, Gauss", number(Some(m.gauss.energy))),
+        cell("invariants", number(m.worst_invariant().map(|i| i.error))),
+        cell("error", number(m.error)),
+        cell("error, Gauss", number(m.gauss_error)),
+        cell("ratio", plain(m.ratio())),
+        cell("seconds", format!("{:.2}", row.all_seconds)),
+        cell("verdict", verdict),
+    ]
 }

@@ -15,34 +15,22 @@ const SETTING: usize = 24;
 const INDENT: &str = "    ";
 
 pub(crate) fn head(out: &mut impl Write, theme: &str) -> io::Result<()> {
-    writeln!(
-        out,
-        "\n{theme:<NAME$} {:<SETTING$} {:>8}  {:<16} verdict",
-        "setting", "steps", "outcomes",
-    )?;
-    writeln!(
-        out,
-        "{INDENT}{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+    writeln!(out)?;
+    first(out, [theme, "setting", "steps", "outcomes", "verdict"])?;
+    let heads = [
         "levels", "energy", "Gauss", "inv.", "error", "Gauss", "ratio", "s",
-    )
+    ];
+    second(out, heads.map(str::to_owned))
 }
 
 pub(crate) fn line(out: &mut impl Write, row: &Row<'_>) -> io::Result<()> {
     let m = &row.measured;
     let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.1e}"));
     let plain = |x: Option<f64>| x.map_or("-".to_owned(), compact);
-    writeln!(
-        out,
-        "{:<NAME$} {:<SETTING$} {:>8}  {:<16} {}",
-        row.case.name,
-        row.case.setting(),
-        m.equip.counts.steps,
-        outcomes(&m.equip, " "),
-        row.verdict.word.label(),
-    )?;
-    writeln!(
-        out,
-        "{INDENT}{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9.2}",
+    let (setting, steps) = (row.case.setting(), m.equip.counts.steps.to_string());
+    let (outcomes, word) = (outcomes(&m.equip, " "), row.verdict.word.label());
+    first(out, [&row.case.name, &setting, &steps, &outcomes, word])?;
+    let figures = [
         plain(m.levels()),
         number(Some(m.equip.energy)),
         number(Some(m.gauss.energy)),
@@ -50,9 +38,23 @@ pub(crate) fn line(out: &mut impl Write, row: &Row<'_>) -> io::Result<()> {
         number(m.error),
         number(m.gauss_error),
         plain(m.ratio()),
-        row.all_seconds,
-    )?;
+        format!("{:.2}", row.all_seconds),
+    ];
+    second(out, figures)?;
     notes(out, row)
+}
+
+fn first(out: &mut impl Write, cells: [&str; 5]) -> io::Result<()> {
+    let [name, setting, steps, outcomes, verdict] = cells;
+    writeln!(
+        out,
+        "{name:<NAME$} {setting:<SETTING$} {steps:>8}  {outcomes:<16} {verdict}"
+    )
+}
+
+fn second(out: &mut impl Write, cells: [String; 8]) -> io::Result<()> {
+    let cells = cells.map(|cell| format!("{cell:>9}"));
+    writeln!(out, "{INDENT}{}", cells.join(" "))
 }
 
 fn notes(out: &mut impl Write, row: &Row<'_>) -> io::Result<()> {

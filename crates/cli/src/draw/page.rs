@@ -1,6 +1,7 @@
 //! Pages that need nothing else: one style for all, on light and on dark paper.
 
 use crate::draw::svg::{dark_style, escape};
+use std::borrow::Cow;
 
 const STYLE: &str = "
 :root { color-scheme: light dark; --good: #1a7f37; --bad: #c4203a; --note: #0969da; }
@@ -34,21 +35,45 @@ pub(crate) fn page(title: &str, body: &str) -> String {
     )
 }
 
-/// A table of heads and rows of cells that are escaped already.
-pub(crate) fn table(
-    class: &str,
-    heads: &[impl AsRef<str>],
-    rows: impl Iterator<Item = Vec<String>>,
-) -> String {
-    let heads: String = (heads.iter())
-        .map(|head| format!("<th>{}</th>", head.as_ref()))
-        .collect();
-    let row = |cells: Vec<String>| {
-        let cells: String = cells.iter().map(|c| format!("<td>{c}</td>")).collect();
-        format!("<tr>{cells}</tr>\n")
-    };
-    let rows: String = rows.map(row).collect();
-    format!(
-        "<div class=\"wide\"><table class=\"{class}\"><thead><tr>{heads}</tr></thead><tbody>\n{rows}</tbody></table></div>\n"
-    )
+/// The head of a column, and a cell of it; both are escaped already.
+pub(crate) type Cell = (Cow<'static, str>, String);
+
+/// A cell below a head that is known beforehand.
+pub(crate) fn cell(head: &'static str, text: impl Into<String>) -> Cell {
+    (head.into(), text.into())
+}
+
+/// A table that is made row by row; all rows have the same heads.
+#[derive(Debug, Default)]
+pub(crate) struct Table {
+    heads: String,
+    rows: String,
+}
+
+impl Table {
+    /// Adds a row whose attributes are `attributes`.
+    pub(crate) fn push(&mut self, attributes: &str, cells: &[Cell]) {
+        self.heads = cells.iter().map(|c| format!("<th>{}</th>", c.0)).collect();
+        let cells: String = cells.iter().map(|c| format!("<td>{}</td>", c.1)).collect();
+        self.rows += &format!("<tr{attributes}>{cells}</tr>\n");
+    }
+
+    /// Adds a row that is one heading of `columns` columns.
+    pub(crate) fn push_heading(&mut self, class: &str, columns: usize, text: &str) {
+        self.rows += &format!("<tr class=\"{class}\"><th colspan=\"{columns}\">{text}</th></tr>\n");
+    }
+
+    pub(crate) fn html(&self, class: &str) -> String {
+        let Table { heads, rows } = self;
+        format!(
+            "<div class=\"wide\"><table class=\"{class}\"><thead><tr>{heads}</tr></thead><tbody>\n{rows}</tbody></table></div>\n"
+        )
+    }
+}
+
+/// A table of these rows.
+pub(crate) fn table(class: &str, rows: impl IntoIterator<Item = Vec<Cell>>) -> String {
+    let mut table = Table::default();
+    rows.into_iter().for_each(|cells| table.push("", &cells));
+    table.html(class)
 }

@@ -1,8 +1,9 @@
 //! Errors after two periods against the number of steps, in double-double.
 
+use crate::draw::page::{Cell, cell};
 use crate::fault::Fault;
-use equip_autodiff::Evaluator;
-use equip_integrate::{Alphas, Equip, Gauss, Method, Observer, Reach, Record, StepView};
+use crate::run::finished::largest_difference;
+use equip_integrate::{Alphas, Equip, Gauss, Method, Reach, Record, StepView};
 use equip_scalar::{DoubleDouble, Float, ratio};
 use equip_scenes::Instance;
 use serde::Serialize;
@@ -64,9 +65,14 @@ impl Convergence {
     }
 
     /// Errors and order, as the tables have them.
-    pub(super) fn cells(&self) -> [String; 4] {
+    pub(super) fn cells(&self) -> [Cell; 4] {
         let [a, b, c] = self.errors.map(|error| format!("{error:.3e}"));
-        [a, b, c, format!("{:.2}", self.order())]
+        [
+            cell("80 steps a period", a),
+            cell("160", b),
+            cell("320", c),
+            cell("order", format!("{:.2}", self.order())),
+        ]
     }
 }
 
@@ -120,56 +126,29 @@ pub(super) fn run<T: Float>(
     let end = T::int(i64::from(periods)) * period;
     let (q, p) = instance.initial::<T>();
     let mut evaluator = instance.hamiltonian().evaluator::<T>();
-    let energy = evaluator.value(&[q.clone(), p.clone()].concat());
-    let mut watch = Watch {
-        evaluator,
-        start: (energy, momentum(&q, &p)),
-        steps: u64::from(steps),
-        figures: Figures::default(),
-        state: Vec::new(),
-    };
-    let options = method.step(h).record(Record::Ends).reach(Reach::Always);
-    let run =
-        options.integrate_observed(instance.hamiltonian(), &q, &p, T::int(0)..=end, &mut watch);
-    let run = run.map_err(|failure| Fault::start(failure.error))?;
-    let mut figures = watch.figures;
-    let (_, q_end, p_end) = run.last();
-    let pairs = q.iter().chain(&p).zip(q_end.iter().chain(p_end));
-    let errors = pairs.map(|(&x, &y)| (y - x).abs().to_f64());
-    figures.error = errors.fold(0.0, f64::max);
-    Ok(figures)
-}
-
-fn momentum<T: Float>(q: &[T], p: &[T]) -> T {
-    q[0] * p[1] - q[1] * p[0]
-}
-
-struct Watch<T: Float> {
-    evaluator: Evaluator<T>,
-    /// H and L at the start.
-    start: (T, T),
-    /// Steps of a period.
-    steps: u64,
-    figures: Figures,
-    state: Vec<T>,
-}
-
-impl<T: Float> Observer<T> for Watch<T> {
-    fn step(&mut self, view: &StepView<'_, T>) -> ControlFlow<()> {
-        self.state.clear();
-        self.state.extend_from_slice(view.q);
-        self.state.extend_from_slice(view.p);
-        let (energy, start) = (self.evaluator.value(&self.state), self.start);
+    let mut conserved =
+        |q: &[T], p: &[T]| (evaluator.value(&[q, p].concat()), q[0] * p[1] - q[1] * p[0]);
+    // H and L.
+    let start = conserved(&q, &p);
+    let mut figures = Figures::default();
+    let mut see = |view: &StepView<'_, T>| {
+        let (energy, momentum) = conserved(view.q, view.p);
         let energy_error = (energy - start.0).abs().to_f64();
-        let figures = &mut self.figures;
         figures.energy = figures.energy.max(energy_error);
-        let off = (momentum(view.q, view.p) - start.1).abs().to_f64();
-        figures.momentum = figures.momentum.max(off);
+        figures.momentum = figures.momentum.max((momentum - start.1).abs().to_f64());
         let alpha = view.alphas.last().map_or(0.0, |alpha| alpha.abs().to_f64());
         figures.alpha = figures.alpha.max(alpha);
-        let period = ((view.index - 1) / self.steps) as usize;
+        let period = (view.index - 1) as usize / steps as usize;
         figures.energies.resize(period + 1, 0.0);
         figures.energies[period] = figures.energies[period].max(energy_error);
         ControlFlow::Continue(())
-    }
+    };
+    let options = method.step(h).record(Record::Ends).reach(Reach::Always);
+    let run = options
+        .integrate_observed(instance.hamiltonian(), &q, &p, T::int(0)..=end, &mut see)
+        .map_err(|failure| Fault::start(failure.error))?;
+    let (_, q_end, p_end) = run.last();
+    let error = largest_difference(q_end, &q).max(largest_difference(p_end, &p));
+    figures.error = error.to_f64();
+    Ok(figures)
 }

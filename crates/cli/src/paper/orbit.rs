@@ -1,6 +1,7 @@
 //! 1000 periods of Kepler's problem, 200 steps each: the energy along them.
 
 use super::convergence::{Figures, Member, run};
+use crate::draw::page::{Cell, cell};
 use crate::fault::Fault;
 use equip_scenes::Instance;
 use serde::Serialize;
@@ -21,7 +22,7 @@ pub(super) struct Orbit {
 
 impl Orbit {
     /// Errors at the end, of the energy and of the angular momentum, as the tables have them.
-    pub(super) fn cells(&self) -> [String; 3] {
+    pub(super) fn cells(&self) -> [Cell; 3] {
         let Figures {
             error,
             energy,
@@ -29,9 +30,9 @@ impl Orbit {
             ..
         } = &self.figures;
         [
-            format!("{error:.2e}"),
-            format!("{energy:.1e}"),
-            format!("{momentum:.1e}"),
+            cell("error at the end", format!("{error:.2e}")),
+            cell("max |ΔH|", format!("{energy:.1e}")),
+            cell("max |ΔL|", format!("{momentum:.1e}")),
         ]
     }
 }

@@ -1,44 +1,35 @@
 //! The page: statements, tables and pictures in one file that needs nothing else.
 
-use super::convergence::Convergence;
+use super::convergence::{Convergence, Member};
 use super::figures::Paper;
 use super::orbit::Orbit;
 use super::picture::{convergence, energy, residual};
 use super::statements::Statement;
-use crate::draw::page::{page, table};
+use crate::draw::page::{cell, page, table};
 use crate::draw::svg::escape;
 
 pub(super) fn document(paper: &Paper) -> String {
     let statement = |s: &Statement| {
-        let [statement, stated, measured] =
-            [&s.statement, &s.stated, &s.measured].map(|text| escape(text));
         let class = if s.holds { "yes" } else { "no" };
-        let holds = format!("<span class=\"{class}\">{}</span>", s.word());
-        vec![statement, stated, measured, holds]
+        vec![
+            cell("statement", escape(&s.statement)),
+            cell("stated", escape(&s.stated)),
+            cell("measured", escape(&s.measured)),
+            cell(
+                "holds",
+                format!("<span class=\"{class}\">{}</span>", s.word()),
+            ),
+        ]
     };
-    let error = |row: &Convergence| {
-        let method = [escape(row.method.name()), row.stages.to_string()];
-        [&method[..], &row.cells()].concat()
+    let method = |method: Member, stages: usize| {
+        let name = cell("method", escape(method.name()));
+        [name, cell("s", stages.to_string())]
     };
-    let orbit = |orbit: &Orbit| {
-        let method = [escape(orbit.method.name()), orbit.stages.to_string()];
-        [&method[..], &orbit.cells()].concat()
-    };
-    let statements = table(
-        "",
-        &["statement", "stated", "measured", "holds"],
-        paper.statements.iter().map(statement),
-    );
-    let errors = table(
-        "numbers",
-        &["method", "s", "80 steps a period", "160", "320", "order"],
-        paper.convergence.iter().map(error),
-    );
-    let orbits = table(
-        "numbers",
-        &["method", "s", "error at the end", "max |ΔH|", "max |ΔL|"],
-        paper.orbits.iter().map(orbit),
-    );
+    let error = |row: &Convergence| [&method(row.method, row.stages)[..], &row.cells()].concat();
+    let orbit = |orbit: &Orbit| [&method(orbit.method, orbit.stages)[..], &orbit.cells()].concat();
+    let statements = table("", paper.statements.iter().map(statement));
+    let errors = table("numbers", paper.convergence.iter().map(error));
+    let orbits = table("numbers", paper.orbits.iter().map(orbit));
     let body = format!(
         "<h1>The statements of the paper, measured</h1>\n\
          <p>L. Brugnano, F. Iavernaro, D. Trigiante: Energy and quadratic invariants preserving integrators of Gaussian type. AIP Conf. Proc. 1281 \

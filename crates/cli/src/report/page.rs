@@ -7,7 +7,7 @@ use super::measure::{Curve, Point};
 use super::peers::{Peers, section};
 use super::results::{Results, times};
 use crate::commands::growth;
-use crate::draw::page::{self, table};
+use crate::draw::page::{self, cell, table};
 use crate::draw::svg::escape;
 use crate::text::three_digits;
 use std::fmt::Write;
@@ -114,46 +114,38 @@ fn uncorrected(is_equip: bool, count: u64) -> String {
 
 /// Runs with step control: errors after the `numbers` of revolutions.
 fn growth_table(curves: &[growth::Curve], numbers: &[u64]) -> String {
-    let mut heads: Vec<String> = ["method", "e", "tolerance"].map(Into::into).into();
-    heads.extend(numbers.iter().map(|n| format!("error after {n}")));
-    let more = [
-        "max |ΔH/H₀|",
-        "in round-off levels",
-        "steps per revolution",
-        "uncorrected steps",
-        "CPU ms per revolution",
-    ];
-    heads.extend(more.map(Into::into));
     let row = |curve: &growth::Curve| {
         let c = &curve.certificate;
-        let mut cells = vec![
-            format!("{}(8)", curve.name()),
-            escape(&curve.eccentricity),
-            escape(&curve.tolerance),
-        ];
-        cells.extend(
-            numbers
-                .iter()
-                .map(|&n| format!("{:.1e}", curve.error_after(n))),
-        );
+        let per_revolution = |x: f64| x / curve.revolutions;
         let energy = curve.energies.last().copied().unwrap_or(f64::NAN);
+        let levels = c.energy_in_round_off_levels;
+        let levels = levels.map_or("–".into(), |x| format!("{x:.1}"));
+        let steps = per_revolution(c.counts.steps as f64);
+        let uncorrected = uncorrected(curve.is_equip, c.counts.uncorrected());
+        let time = three_digits(per_revolution(curve.milliseconds));
+        let mut cells = vec![
+            cell("method", format!("{}(8)", curve.name())),
+            cell("e", escape(&curve.eccentricity)),
+            cell("tolerance", escape(&curve.tolerance)),
+        ];
+        cells.extend(numbers.iter().map(|&n| {
+            let error = format!("{:.1e}", curve.error_after(n));
+            (format!("error after {n}").into(), error)
+        }));
         cells.extend([
-            format!("{energy:.1e}"),
-            c.energy_in_round_off_levels
-                .map_or("–".into(), |x| format!("{x:.1}")),
-            format!("{:.1}", c.counts.steps as f64 / curve.revolutions),
-            uncorrected(curve.is_equip, c.counts.uncorrected()),
-            three_digits(curve.milliseconds / curve.revolutions),
+            cell("max |ΔH/H₀|", format!("{energy:.1e}")),
+            cell("in round-off levels", levels),
+            cell("steps per revolution", format!("{steps:.1}")),
+            cell("uncorrected steps", uncorrected),
+            cell("CPU ms per revolution", time),
         ]);
         cells
     };
-    table("numbers", &heads, curves.iter().map(row))
+    table("numbers", curves.iter().map(row))
 }
 
 /// Milliseconds to each error.
 fn accuracies(result: &Results) -> String {
-    let mut heads = vec!["method".to_owned()];
-    heads.extend(result.targets.iter().map(|t| format!("{t:.0e}")));
     let all: Vec<(&Curve, Vec<Time>)> = result
         .curves
         .iter()
@@ -164,7 +156,7 @@ fn accuracies(result: &Results) -> String {
         let column = chosen.filter_map(|(_, times)| times[k].milliseconds());
         column.fold(f64::INFINITY, f64::min)
     };
-    let cell = |k: usize, time: &Time| {
+    let text = |k: usize, time: &Time| {
         let text = match time {
             Time::NotReached => return "–".to_owned(),
             Time::AtMost(ms) => format!("≤ {}", three_digits(*ms)),
@@ -180,70 +172,48 @@ fn accuracies(result: &Results) -> String {
         }
     };
     let rows = all.iter().map(|(curve, times)| {
-        let mut cells = vec![escape(&curve.contender.name())];
-        cells.extend(times.iter().enumerate().map(|(k, time)| cell(k, time)));
+        let mut cells = vec![cell("method", escape(&curve.contender.name()))];
+        let columns = result.targets.iter().zip(times).enumerate();
+        cells.extend(columns.map(|(k, (t, time))| (format!("{t:.0e}").into(), text(k, time))));
         cells
     });
-    table("numbers", &heads, rows)
+    table("numbers", rows)
 }
 
 /// All runs of a scene.
 fn runs(result: &Results) -> String {
-    let mut heads: Vec<String> = [
-        "method",
-        "order",
-        "setting",
-        "steps",
-        "uncorrected",
-        "error",
-        "max |ΔH|",
-    ]
-    .map(Into::into)
-    .into();
-    heads.extend(result.invariants.iter().map(|name| escape(name)));
-    heads.extend(
-        [
-            "∇H",
-            "∇H per step",
-            "iterations per step",
-            "ms, median",
-            "least",
-            "most",
-            "repeats",
-        ]
-        .map(Into::into),
-    );
-    let per_step = |count: u64, steps: u64| format!("{:.1}", count as f64 / steps.max(1) as f64);
-    let row = |curve: &Curve, point: &Point| {
-        let o = &point.outcome;
-        let setting = if curve.contender.adapts {
-            format!("tolerance {:.0e}", point.setting)
-        } else {
-            format!("{} steps", point.setting)
+    let row = |(curve, point): (&Curve, &Point)| {
+        let (o, contender) = (&point.outcome, &curve.contender);
+        let setting = match contender.adapts {
+            true => format!("tolerance {:.0e}", point.setting),
+            false => format!("{} steps", point.setting),
         };
-        let mut cells = vec![
-            escape(&curve.contender.name()),
-            curve.contender.order().to_string(),
-            setting,
-            o.steps.to_string(),
-            uncorrected(curve.contender.is_equip, o.uncorrected),
-            format!("{:.1e}", o.error),
-            format!("{:.1e}", o.energy),
-        ];
-        cells.extend(o.invariants.iter().map(|x| format!("{x:.1e}")));
+        let uncorrected = uncorrected(contender.is_equip, o.uncorrected);
+        let per_step = |count: u64| format!("{:.1}", count as f64 / o.steps.max(1) as f64);
         let (least, most) = point.spread();
+        let mut cells = vec![
+            cell("method", escape(&contender.name())),
+            cell("order", contender.order().to_string()),
+            cell("setting", setting),
+            cell("steps", o.steps.to_string()),
+            cell("uncorrected", uncorrected),
+            cell("error", format!("{:.1e}", o.error)),
+            cell("max |ΔH|", format!("{:.1e}", o.energy)),
+        ];
+        let invariants = result.invariants.iter().zip(&o.invariants);
+        cells.extend(invariants.map(|(name, x)| (escape(name).into(), format!("{x:.1e}"))));
         cells.extend([
-            o.gradients.to_string(),
-            per_step(o.gradients, o.steps),
-            per_step(o.iterations, o.steps),
-            three_digits(point.median()),
-            three_digits(least),
-            three_digits(most),
-            point.milliseconds.len().to_string(),
+            cell("∇H", o.gradients.to_string()),
+            cell("∇H per step", per_step(o.gradients)),
+            cell("iterations per step", per_step(o.iterations)),
+            cell("ms, median", three_digits(point.median())),
+            cell("least", three_digits(least)),
+            cell("most", three_digits(most)),
+            cell("repeats", point.milliseconds.len().to_string()),
         ]);
         cells
     };
-    let rows = result.curves.iter();
-    let rows = rows.flat_map(|curve| curve.points.iter().map(|point| row(curve, point)));
-    table("numbers", &heads, rows)
+    let curves = result.curves.iter();
+    let points = curves.flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
+    table("numbers", points.map(row))
 }

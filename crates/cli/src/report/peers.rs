@@ -2,7 +2,7 @@
 
 use crate::draw::chart::{Line, Plot, Spot, chart};
 use crate::draw::figure::{Figure, Look};
-use crate::draw::page::table;
+use crate::draw::page::{cell, table};
 use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark, escape};
 use crate::fault::Fault;
 use crate::text::three_digits;
@@ -179,42 +179,45 @@ fn versions(peers: &Peers) -> String {
 }
 
 fn against(scene: &Scene) -> String {
-    let mut heads = vec!["program".to_owned()];
-    heads.extend(scene.targets.iter().map(|t| format!("{t:.0e}")));
+    let text = |program: &Program, reached: &Option<Reached>| match reached {
+        None => "–".into(),
+        Some(r) => {
+            let ours = is_ours(&program.program);
+            let ratio = r.ratio_to_quickest_peer.filter(|_| ours);
+            let ratio = ratio.map_or(String::new(), |x| format!(" ({x:.2})"));
+            let [least, milliseconds, most] = [r.least, r.milliseconds, r.most].map(three_digits);
+            format!(
+                "<span title=\"{least} to {most}\">{milliseconds}{ratio}</span> <small>{}</small>",
+                escape(&r.method)
+            )
+        }
+    };
     let rows = scene.programs.iter().map(|program| {
-        let mut cells = vec![escape(&program.program)];
-        cells.extend(program.reached.iter().map(|reached| match reached {
-            None => "–".into(),
-            Some(r) => {
-                let ours = is_ours(&program.program);
-                let ratio = r.ratio_to_quickest_peer.filter(|_| ours);
-                let ratio = ratio.map_or(String::new(), |x| format!(" ({x:.2})"));
-                let spread = format!("{} to {}", three_digits(r.least), three_digits(r.most));
-                format!(
-                    "<span title=\"{spread}\">{}{ratio}</span> <small>{}</small>",
-                    three_digits(r.milliseconds),
-                    escape(&r.method)
-                )
-            }
-        }));
+        let mut cells = vec![cell("program", escape(&program.program))];
+        let columns = scene.targets.iter().zip(&program.reached);
+        cells.extend(
+            columns.map(|(t, reached)| (format!("{t:.0e}").into(), text(program, reached))),
+        );
         cells
     });
-    table("numbers", &heads, rows)
+    table("numbers", rows)
 }
 
 fn at_tolerance(at: &AtTolerance) -> String {
-    let heads = ["program", "method", "ms", "least", "most", "error"];
     let row = |row: &Row| {
         vec![
-            escape(&row.program),
-            escape(&row.method),
-            three_digits(row.milliseconds),
-            three_digits(row.least),
-            three_digits(row.most),
-            row.error.map_or("–".into(), |e| format!("{e:.1e}")),
+            cell("program", escape(&row.program)),
+            cell("method", escape(&row.method)),
+            cell("ms", three_digits(row.milliseconds)),
+            cell("least", three_digits(row.least)),
+            cell("most", three_digits(row.most)),
+            cell(
+                "error",
+                row.error.map_or("–".into(), |e| format!("{e:.1e}")),
+            ),
         ]
     };
-    table("numbers", &heads, at.rows.iter().map(row))
+    table("numbers", at.rows.iter().map(row))
 }
 
 /// Whether a program is this library.
