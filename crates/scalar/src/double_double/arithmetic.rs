@@ -5,7 +5,7 @@
 //! separate branch handles these cases. The algorithms lose the sign of a zero; it is restored from the
 //! leading operation.
 
-use super::natural::remainder;
+use super::integers::remainder;
 use super::number::{DoubleDouble, dd};
 use super::transforms::{SAFE_MIN, exponent, two_sum};
 use super::words;
@@ -147,7 +147,7 @@ impl Div for DoubleDouble {
 impl Rem for DoubleDouble {
     type Output = Self;
     /// The remainder of truncated division, with the sign of the dividend: exact wherever it fits two
-    /// doubles, by long division of integers (slow, up to 0.1 ms when the quotient has 2000 bits).
+    /// doubles, by long division of integers (slow).
     fn rem(self, other: Self) -> Self {
         let special = self.hi % other.hi;
         if self.hi == 0.0 || special.is_nan() || other.is_infinite() {

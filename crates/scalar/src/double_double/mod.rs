@@ -30,8 +30,8 @@
 mod arithmetic;
 mod constants;
 pub(crate) mod functions;
+pub(crate) mod integers;
 mod lanes;
-pub(crate) mod natural;
 mod number;
 mod rounding;
 pub(crate) mod text;

@@ -1,6 +1,6 @@
 //! [`DoubleDouble`] itself: two words, their order and their signs.
 
-use super::transforms::{fast_two_sum, power_of_two, two_sum};
+use super::transforms::{exponent, fast_two_sum, power_of_two, two_sum};
 use std::num::FpCategory;
 
 /// About 31 digits: an unevaluated sum of two doubles, where `hi` is the rounded sum.
@@ -61,6 +61,16 @@ impl DoubleDouble {
     #[inline(always)]
     pub const fn expansion(self) -> [f64; 6] {
         [self.hi, self.lo, 0.0, 0.0, 0.0, 0.0]
+    }
+
+    /// The words, largest first.
+    pub(super) fn array(self) -> [f64; 2] {
+        [self.hi, self.lo]
+    }
+
+    /// ⌊log₂|x|⌋ of the upper part.
+    pub(super) fn exponent(self) -> i32 {
+        exponent(self.hi)
     }
 
     #[inline(always)]

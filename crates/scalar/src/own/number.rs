@@ -2,7 +2,7 @@
 
 use super::{Arithmetic, Own};
 use crate::constant::Words;
-use crate::double_double::natural::remainder;
+use crate::double_double::integers::remainder;
 use crate::double_double::text::parse::Decimal;
 use crate::double_double::text::print::{display, scientific};
 use crate::error::ParseFloatError;

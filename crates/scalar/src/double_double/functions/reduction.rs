@@ -6,9 +6,11 @@
 //! keep their relative precision everywhere. The long way costs some microseconds.
 
 use super::tables::TWO_OVER_PI;
-use crate::double_double::natural::{Natural, unit};
+use crate::double_double::integers::{integer, to_words, unit};
 use crate::double_double::number::{DoubleDouble, dd};
 use crate::double_double::transforms::{nearest, power_of_two, two_prod, two_sum};
+use num_bigint::{BigInt, Sign};
+use num_traits::ToPrimitive;
 
 const PI_2: [f64; 3] = [
     std::f64::consts::FRAC_PI_2,
@@ -49,27 +51,11 @@ fn reduce_exactly(x: DoubleDouble) -> (u32, DoubleDouble) {
 /// (n mod 4, f) with x = (n + f)·π/2, |f| ≤ 1/2, for a finite sum x of doubles, largest first.
 pub(crate) fn turns<const N: usize>(x: &[f64]) -> (u32, [f64; N]) {
     let unit = unit(x);
-    let product = Natural::of_magnitude(x, unit).times(&Natural::from_limbs(&TWO_OVER_PI));
-    let point = (1280 - unit) as usize; // bits behind the binary point; unit ≤ 1023
-    let mut quadrant = u32::from(product.bit(point)) + 2 * u32::from(product.bit(point + 1));
-    let mut fraction = product.low_bits(point);
-    let above_half = fraction.bit(point - 1);
-    if above_half {
-        quadrant += 1;
-        fraction = Natural::from_u64(1).shifted_left(point).distance(&fraction);
-    }
-    let is_negative = x[0].is_sign_negative();
-    let f = fraction.to_words(-(point as i32));
-    let f = f.map(|word: f64| {
-        if above_half != is_negative {
-            -word
-        } else {
-            word
-        }
-    });
-    if is_negative {
-        (quadrant.wrapping_neg() & 3, f)
-    } else {
-        (quadrant & 3, f)
-    }
+    let product = integer(x, unit) * BigInt::from_slice(Sign::Plus, &TWO_OVER_PI);
+    let point = 1280 - unit; // bits behind the binary point; unit ≤ 1023
+    let half = BigInt::from(1) << (point - 1);
+    let n: BigInt = (&product + half) >> point;
+    let fraction = product - (&n << point);
+    let quadrant = (n & BigInt::from(3)).to_u32().unwrap_or(0);
+    (quadrant, to_words(fraction, -point))
 }

@@ -1,15 +1,17 @@
 //! Decimal to binary, correctly rounded: hi = RN(x), lo = RN(x − hi) for the exact decimal x.
 
-use crate::double_double::natural::Natural;
+use crate::double_double::integers::to_words;
 use crate::double_double::number::{DoubleDouble, dd};
 use crate::error::ParseFloatError;
+use num_bigint::BigUint;
+use num_traits::Euclid;
 use std::str::FromStr;
 
 /// Digits that are read; 1383 are enough to write any double-double exactly, a set digit beyond only breaks
 /// ties.
 const DIGITS_KEPT: usize = 1500;
 /// Bits behind the binary point: past the half of the smallest subnormal number, 2⁻¹⁰⁷⁵, with room to spare.
-const FRACTION_BITS: usize = 1140;
+const FRACTION_BITS: i32 = 1140;
 
 /// ± 0.d₁d₂… · 10^exponent.
 pub(crate) struct Decimal {
@@ -58,30 +60,17 @@ impl Decimal {
     }
 
     fn magnitude<const N: usize>(&self) -> [f64; N] {
-        let mut n = Natural::from_u64(0);
-        for chunk in self.digits.chunks(9) {
-            let value = chunk.iter().fold(0, |value, &d| 10 * value + u32::from(d));
-            n.times_small(10u32.pow(chunk.len() as u32), value);
-        }
+        let digits = BigUint::from_radix_be(&self.digits, 10).unwrap_or_default();
         // |exponent| ≤ 400 and at most 1501 digits.
-        let mut power = self.exponent as i32 - self.digits.len() as i32;
-        while power > 0 {
-            n.times_small(10u32.pow(power.min(9) as u32), 0);
-            power -= power.min(9);
-        }
-        // Successive truncated divisions are one truncated division; a set bit below stands for all
-        // remainders.
-        let mut n = n.shifted_left(FRACTION_BITS);
-        let mut inexact = false;
-        while power < 0 {
-            inexact |= n.divide_small(10u32.pow((-power).min(9) as u32)) != 0;
-            power += (-power).min(9);
-        }
-        let mut n = n.shifted_left(1);
-        if inexact {
-            n.set_low_bit();
-        }
-        n.to_words(-(FRACTION_BITS as i32) - 1)
+        let power = self.exponent as i32 - self.digits.len() as i32;
+        let ten = BigUint::from(10_u32).pow(power.unsigned_abs());
+        let (n, rest) = match power {
+            0.. => ((digits * ten) << FRACTION_BITS, BigUint::ZERO),
+            _ => (digits << FRACTION_BITS).div_rem_euclid(&ten),
+        };
+        // A set bit below stands for the remainder.
+        let n: BigUint = (n << 1) + u32::from(rest > BigUint::ZERO);
+        to_words(n.into(), -FRACTION_BITS - 1)
     }
 }
 

@@ -5,8 +5,9 @@
 //! number (for double-doubles 31 digits or more), without trailing zeros.
 
 use super::parse::Decimal;
-use crate::double_double::natural::{Natural, unit};
+use crate::double_double::integers::{integer, unit};
 use crate::double_double::number::DoubleDouble;
+use num_bigint::BigUint;
 use std::fmt;
 
 /// Positional notation without a given precision for 10⁻⁶ ≤ |x| < 10³³; outside it is scientific.
@@ -15,26 +16,13 @@ const POSITIONAL: std::ops::Range<i64> = -5..34;
 /// All decimal digits of a finite sum of doubles, largest first.
 fn exact(x: &[f64]) -> Decimal {
     let unit = unit(x);
-    let mut n = Natural::of_magnitude(x, unit.min(0));
     // m/2ᵏ = m 5ᵏ/10ᵏ
     let places = (-unit).max(0);
-    let mut fives = places;
-    while fives > 0 {
-        n.times_small(5u32.pow(fives.min(13) as u32), 0);
-        fives -= fives.min(13);
+    let m = integer(x, unit.min(0)).into_parts().1;
+    let mut digits = (m * BigUint::from(5_u32).pow(places as u32)).to_radix_be(10);
+    if digits == [0] {
+        digits.clear();
     }
-    let mut digits = Vec::new();
-    while !n.is_zero() {
-        let mut chunk = n.divide_small(1_000_000_000);
-        for _ in 0..9 {
-            digits.push((chunk % 10) as u8);
-            chunk /= 10;
-        }
-    }
-    while digits.last() == Some(&0) {
-        digits.pop();
-    }
-    digits.reverse();
     let exponent = digits.len() as i64 - i64::from(places);
     Decimal {
         negative: x[0].is_sign_negative(),
