@@ -1,11 +1,11 @@
 //! [`Own`] as [`Scalar`] and [`Float`].
 
-use super::each::Each;
 use super::functions::{sum, words};
 use super::{Arithmetic, Own};
 use crate::constant::{Constant, Words};
 use crate::error::ParseFloatError;
 use crate::forward::Forward;
+use crate::kernels::Lanes;
 use crate::traits::{Float, Outside, Scalar, scalar_glue};
 use num_dual::DualNumFloat;
 use std::sync::Arc;
@@ -56,7 +56,7 @@ impl<A: Arithmetic> Float for Own<A> {
     const NAN: Self = Self::NAN;
 
     const WIDTH: usize = 1;
-    type Pack<const N: usize> = Each<Self, N>;
+    type Pack<const N: usize> = Lanes<N, Self>;
     type Forward<const N: usize> = Forward<Self, N>;
 
     #[inline(always)]

@@ -37,7 +37,6 @@
 //! the range of doubles. Tables and closures in H have 31 digits.
 
 mod constants;
-mod each;
 mod float;
 mod functions;
 mod number;
