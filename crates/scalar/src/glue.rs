@@ -1,23 +1,29 @@
 //! The trait implementations for our float types that num-traits, num-dual, approx and nalgebra require.
 //!
 //! `float_glue!([] T)` generates these implementations. They forward to inherent functions of `T` with the
-//! names of those of `f64`; a generic type has its parameters in the brackets. A new float type provides:
+//! names of those of `f64`; the macro also writes those that all floats share (`inherent`), and decimal text. A
+//! generic type has its parameters in the brackets. A new float type provides:
 //!
-//! - `Copy`, `Debug`, `Display`, `PartialEq`, `PartialOrd`, `FromStr<Err = ParseFloatError>`, `From<f64>`,
-//!   `+ − × ÷ %` and negation by value, and our [`Float`](crate::Float);
-//! - the elementary functions of `f64` by the same names and signatures;
-//! - `from_i64`, `from_u64`, `from_i128`, `from_u128`, `to_i128`, `to_u128`, `hi` (the nearest double);
+//! - `Copy`, `Debug`, `PartialEq`, `PartialOrd`, `From<f64>`, `+ − × ÷ %` and negation by value, and our
+//!   [`Float`](crate::Float);
+//! - the elementary functions of `f64` by the same names and signatures, and what `inherent` requires;
+//! - `from_i64`, `from_u64`, `from_i128`, `from_u128`, `to_i128`, `to_u128`, `hi` (the nearest double),
+//!   `nearest` (to a decimal), `digits`;
 //! - the limits of [`Float`](crate::Float) as constants, and `small` (a double, exactly);
 //! - num-traits' `FloatConst` and num-dual's `DualNumFloat`.
 //!
 //! [`Own`](crate::Own) provides them for every type that has arithmetic.
 
 #[macro_use]
+mod inherent;
+#[macro_use]
 mod num_dual;
 #[macro_use]
 mod num_traits;
 #[macro_use]
 mod simba;
+#[macro_use]
+mod text;
 #[cfg(feature = "serde")]
 mod serialised;
 
@@ -107,6 +113,8 @@ macro_rules! operator_glue {
 macro_rules! float_glue {
     ($g:tt $t:ty) => {
         const _: () = {
+            inherent_glue!($g $t);
+            text_glue!($g $t);
             operator_glue!($g $t; Add add AddAssign add_assign, Sub sub SubAssign sub_assign,
                 Mul mul MulAssign mul_assign, Div div DivAssign div_assign, Rem rem RemAssign rem_assign);
             std_glue!($g $t);

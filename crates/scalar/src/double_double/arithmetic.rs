@@ -45,12 +45,6 @@ impl DoubleDouble {
     pub(super) fn half(self) -> Self {
         dd(0.5 * self.hi, 0.5 * self.lo)
     }
-
-    /// 1/x.
-    #[inline]
-    pub fn recip(self) -> Self {
-        Self::ONE / self
-    }
 }
 
 #[cold]

@@ -9,9 +9,14 @@ use std::num::FpCategory;
 /// use equip_scalar::DoubleDouble;
 /// let third = DoubleDouble::ONE / DoubleDouble::from(3.0);
 /// assert_eq!(format!("{third:.30}"), "0.333333333333333333333333333333");
-/// assert_eq!("0.1".parse::<DoubleDouble>().map(|x| x.to_string()), Ok("0.1".to_string()));
+/// let tenth: DoubleDouble = "0.1".parse()?;
+/// assert_eq!(tenth.to_string(), "0.1");
+/// assert_eq!(tenth.hi(), 0.1);
+/// assert!(tenth.lo() != 0.0);
+/// # Ok::<(), equip_scalar::ParseFloatError>(())
 /// ```
 ///
+/// Decimals are correctly rounded, twice: hi is the nearest double, lo the double nearest to the rest.
 /// Comparison is by value; −0 equals 0 and NaN equals nothing.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
 pub struct DoubleDouble {
@@ -134,60 +139,15 @@ impl DoubleDouble {
         self.hi.classify()
     }
 
-    /// Whether the sign bit is clear.
-    #[inline(always)]
-    pub const fn is_sign_positive(self) -> bool {
-        self.hi.is_sign_positive()
-    }
-
     /// Whether the sign bit is set.
     #[inline(always)]
     pub const fn is_sign_negative(self) -> bool {
         self.hi.is_sign_negative()
     }
 
-    /// |x|.
-    #[inline(always)]
-    pub fn abs(self) -> Self {
-        if self.hi.is_sign_negative() {
-            -self
-        } else {
-            self
-        }
-    }
-
     /// 1 with the sign of the number; NaN of NaN.
     pub fn signum(self) -> Self {
         Self::from(self.hi.signum())
-    }
-
-    /// |x| with the sign of `sign`.
-    pub fn copysign(self, sign: Self) -> Self {
-        if self.hi.is_sign_negative() == sign.hi.is_sign_negative() {
-            self
-        } else {
-            -self
-        }
-    }
-
-    /// The smaller of two; a NaN is ignored.
-    #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
-        if self <= other || other.is_nan() {
-            self
-        } else {
-            other
-        }
-    }
-
-    /// The larger of two; a NaN is ignored.
-    #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        if self >= other || other.is_nan() {
-            self
-        } else {
-            other
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Floor, ceiling, truncation, rounding, and conversion from and to integers. All exact.
 
-use super::number::{DoubleDouble, dd};
+use super::number::DoubleDouble;
 
 impl DoubleDouble {
     /// The largest integer not above the number.
@@ -10,38 +10,6 @@ impl DoubleDouble {
             Self::new(hi, self.lo.floor())
         } else {
             hi.into()
-        }
-    }
-
-    /// The smallest integer not below the number.
-    pub fn ceil(self) -> Self {
-        -(-self).floor()
-    }
-
-    /// The integer part.
-    pub fn trunc(self) -> Self {
-        if self.is_sign_negative() {
-            self.ceil()
-        } else {
-            self.floor()
-        }
-    }
-
-    /// The fractional part, x − [`trunc`](Self::trunc)(x).
-    pub fn fract(self) -> Self {
-        self - self.trunc()
-    }
-
-    /// The nearest integer, half-way cases away from zero.
-    pub fn round(self) -> Self {
-        if !self.is_finite() {
-            return self;
-        }
-        let whole = self.trunc();
-        if (self - whole).abs() >= dd(0.5, 0.0) {
-            whole + self.signum()
-        } else {
-            whole
         }
     }
 

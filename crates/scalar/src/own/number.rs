@@ -1,18 +1,13 @@
 //! [`Own`] as a number: arithmetic and comparison, signs, rounding, integers, text.
 
 use super::{Arithmetic, Own};
-use crate::constant::Words;
 use crate::double_double::integers::remainder;
 use crate::double_double::text::parse::Decimal;
-use crate::double_double::text::print::{display, scientific};
-use crate::error::ParseFloatError;
 use crate::traits::Float;
-use num_traits::FloatConst;
 use std::cmp::Ordering;
 use std::fmt;
 use std::num::FpCategory;
 use std::ops::{Add, Div, Mul, Neg, Rem, Sub};
-use std::str::FromStr;
 
 impl<A: Arithmetic> Clone for Own<A> {
     #[inline(always)]
@@ -129,11 +124,6 @@ impl<A: Arithmetic> Own<A> {
     }
 
     #[inline(always)]
-    pub(crate) fn recip(self) -> Self {
-        Self::small(1.0) / self
-    }
-
-    #[inline(always)]
     pub(crate) fn powi(self, n: i32) -> Self {
         Own(A::powi(self.0, n))
     }
@@ -142,24 +132,12 @@ impl<A: Arithmetic> Own<A> {
         (self.sin(), self.cos())
     }
 
-    pub(crate) fn log(self, base: Self) -> Self {
-        self.ln() / base.ln()
-    }
-
     pub(crate) fn log2(self) -> Self {
         self.log(Self::small(2.0))
     }
 
     pub(crate) fn log10(self) -> Self {
         self.log(Self::small(10.0))
-    }
-
-    pub(crate) fn to_degrees(self) -> Self {
-        self * (Self::small(180.0) / Self::PI())
-    }
-
-    pub(crate) fn to_radians(self) -> Self {
-        self * (Self::PI() / Self::small(180.0))
     }
 
     #[inline(always)]
@@ -190,45 +168,10 @@ impl<A: Arithmetic> Own<A> {
         self < Self::small(0.0) || self.hi().is_sign_negative()
     }
 
-    pub(crate) fn is_sign_positive(self) -> bool {
-        !self.is_sign_negative()
-    }
-
-    #[inline(always)]
-    pub(crate) fn abs(self) -> Self {
-        if self.is_sign_negative() { -self } else { self }
-    }
-
     pub(crate) fn signum(self) -> Self {
         match self.is_nan() {
             true => self,
             false => Self::small(1.0).copysign(self),
-        }
-    }
-
-    pub(crate) fn copysign(self, sign: Self) -> Self {
-        match self.is_sign_negative() == sign.is_sign_negative() {
-            true => self,
-            false => -self,
-        }
-    }
-
-    /// A NaN is ignored.
-    #[inline(always)]
-    pub(crate) fn min(self, other: Self) -> Self {
-        if self <= other || other.is_nan() {
-            self
-        } else {
-            other
-        }
-    }
-
-    #[inline(always)]
-    pub(crate) fn max(self, other: Self) -> Self {
-        if self >= other || other.is_nan() {
-            self
-        } else {
-            other
         }
     }
 
@@ -243,29 +186,6 @@ impl<A: Arithmetic> Own<A> {
             words[first + 1..].fill(0.0);
         }
         Self::from_expansion(words)
-    }
-
-    pub(crate) fn ceil(self) -> Self {
-        -(-self).floor()
-    }
-
-    pub(crate) fn trunc(self) -> Self {
-        match self.is_sign_negative() {
-            true => self.ceil(),
-            false => self.floor(),
-        }
-    }
-
-    pub(crate) fn fract(self) -> Self {
-        self - self.trunc()
-    }
-
-    pub(crate) fn round(self) -> Self {
-        let whole = self.trunc();
-        match (self - whole).abs() >= Self::small(0.5) {
-            true => whole + self.signum(),
-            false => whole,
-        }
     }
 
     pub(crate) fn from_i64(n: i64) -> Self {
@@ -303,41 +223,13 @@ impl<A: Arithmetic> Own<A> {
         u128::try_from(self.to_i128()?).ok()
     }
 
-    fn nearest(decimal: &Decimal) -> Self {
+    pub(crate) fn nearest(decimal: &Decimal) -> Self {
         Self::from_expansion(decimal.to_words())
     }
 
     /// Digits of which a decimal always has as many: those that two numbers never share.
-    fn digits() -> i64 {
+    pub(crate) fn digits() -> i64 {
         (f64::from(A::MANTISSA_BITS - 1) * std::f64::consts::LOG10_2) as i64
-    }
-}
-
-impl<A: Arithmetic> FromStr for Own<A> {
-    type Err = ParseFloatError;
-
-    fn from_str(text: &str) -> Result<Self, ParseFloatError> {
-        if let Some(decimal) = Decimal::read(text) {
-            return Ok(Self::nearest(&decimal));
-        }
-        let special = text.parse::<f64>();
-        special
-            .map(Self::small)
-            .map_err(|_| ParseFloatError { text: text.into() })
-    }
-}
-
-impl<A: Arithmetic> fmt::Display for Own<A> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words: Words = self.expansion();
-        display(&words, Self::digits(), |d| Self::nearest(d) == *self, f)
-    }
-}
-
-impl<A: Arithmetic> fmt::LowerExp for Own<A> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words: Words = self.expansion();
-        scientific(&words, Self::digits(), |d| Self::nearest(d) == *self, f)
     }
 }
 

@@ -109,11 +109,6 @@ impl DoubleDouble {
         self.ln() * Self::LOG10_E
     }
 
-    /// Logarithm to any base.
-    pub fn log(self, base: Self) -> Self {
-        self.ln() / base.ln()
-    }
-
     /// Inverse hyperbolic sine: ln(1 + (x + x²/(1 + √(1 + x²)))).
     pub fn asinh(self) -> Self {
         let x = self.abs();

@@ -6,7 +6,7 @@
 
 use super::reduction::reduce;
 use super::tables::{INVERSE_FACTORIAL, SIN_COS};
-use crate::double_double::number::{DoubleDouble, dd};
+use crate::double_double::number::DoubleDouble;
 use crate::double_double::transforms::nearest;
 
 /// (sin t, cos t − 1) for |t| ≤ 1/64; the terms from t⁹ and t⁸ on in `f64`.
@@ -83,15 +83,5 @@ impl DoubleDouble {
         }
         let (s, c) = self.sin_cos();
         s / c
-    }
-
-    /// Degrees to radians.
-    pub fn to_radians(self) -> Self {
-        self * (Self::PI / dd(180.0, 0.0))
-    }
-
-    /// Radians to degrees.
-    pub fn to_degrees(self) -> Self {
-        self * (dd(180.0, 0.0) / Self::PI)
     }
 }

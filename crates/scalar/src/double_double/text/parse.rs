@@ -1,11 +1,8 @@
 //! Decimal to binary, correctly rounded: hi = RN(x), lo = RN(x − hi) for the exact decimal x.
 
 use crate::double_double::integers::to_words;
-use crate::double_double::number::{DoubleDouble, dd};
-use crate::error::ParseFloatError;
 use num_bigint::BigUint;
 use num_traits::Euclid;
-use std::str::FromStr;
 
 /// Digits that are read; 1383 are enough to write any double-double exactly, a set digit beyond only breaks
 /// ties.
@@ -92,29 +89,4 @@ fn read_exponent(text: &str) -> Option<i64> {
         .bytes()
         .fold(0i64, |n, c| (10 * n + i64::from(c - b'0')).min(1 << 50));
     Some(if negative { -size } else { size })
-}
-
-impl FromStr for DoubleDouble {
-    type Err = ParseFloatError;
-
-    /// Accepts what `f64`'s parser accepts; the result is correctly rounded, twice: hi is the nearest double,
-    /// lo the double nearest to the rest.
-    ///
-    /// ```
-    /// # use equip_scalar::DoubleDouble;
-    /// let x: DoubleDouble = "0.012277471".parse()?;
-    /// assert_eq!(x.hi(), 0.012277471);
-    /// assert!(x.lo() != 0.0);
-    /// # Ok::<(), equip_scalar::ParseFloatError>(())
-    /// ```
-    fn from_str(text: &str) -> Result<Self, ParseFloatError> {
-        if let Some(decimal) = Decimal::read(text) {
-            let [hi, lo] = decimal.to_words();
-            return Ok(dd(hi, lo));
-        }
-        // What is left for f64's parser are the words for infinity and NaN.
-        text.parse::<f64>()
-            .map(Self::from)
-            .map_err(|_| ParseFloatError { text: text.into() })
-    }
 }

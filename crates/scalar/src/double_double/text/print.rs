@@ -6,7 +6,6 @@
 
 use super::parse::Decimal;
 use crate::double_double::integers::{integer, unit};
-use crate::double_double::number::DoubleDouble;
 use num_bigint::BigUint;
 use std::fmt;
 
@@ -119,11 +118,13 @@ impl Decimal {
     }
 }
 
-/// As `Display` of a finite sum of doubles: with a precision `{:.n}` exactly n decimals, as `f64`; without
-/// one, at least `least` digits, so many that they are the `same` number.
-pub(crate) fn display(
+/// Prints a sum of doubles as [`fmt::Display`], or with `scientific` as [`fmt::LowerExp`]: with a precision
+/// exactly so many decimals, as `f64`; without one, at least `least` digits, so many that they are the `same`
+/// number.
+pub(crate) fn print(
     x: &[f64],
     least: i64,
+    scientific: bool,
     same: impl Fn(&Decimal) -> bool,
     f: &mut fmt::Formatter<'_>,
 ) -> fmt::Result {
@@ -132,61 +133,23 @@ pub(crate) fn display(
     }
     let all = exact(x);
     let text = match f.precision() {
+        Some(decimals) if scientific => all
+            .rounded((decimals as i64).saturating_add(1))
+            .scientific(decimals),
         Some(decimals) => all
             .rounded(all.exponent.saturating_add(decimals as i64))
             .positional(decimals),
         None => {
             let decimal = all.shortest(least, same);
             let length = decimal.digits.len() as i64;
-            if length == 0 || POSITIONAL.contains(&decimal.exponent) {
-                decimal.positional(
-                    (length - decimal.exponent).max(0) as usize * usize::from(length > 0),
-                )
+            if scientific || length > 0 && !POSITIONAL.contains(&decimal.exponent) {
+                decimal.scientific((length - 1).max(0) as usize)
+            } else if length == 0 {
+                decimal.positional(0)
             } else {
-                decimal.scientific((length - 1) as usize)
+                decimal.positional((length - decimal.exponent).max(0) as usize)
             }
         }
     };
     f.pad_integral(x[0].is_sign_positive(), "", &text)
-}
-
-/// As `LowerExp` of a finite sum of doubles: d.ddd…e±x, with n decimals for `{:.ne}`, otherwise with digits
-/// that are the `same` number.
-pub(crate) fn scientific(
-    x: &[f64],
-    least: i64,
-    same: impl Fn(&Decimal) -> bool,
-    f: &mut fmt::Formatter<'_>,
-) -> fmt::Result {
-    if !x[0].is_finite() {
-        return fmt::LowerExp::fmt(&x[0], f);
-    }
-    let all = exact(x);
-    let text = match f.precision() {
-        Some(decimals) => all
-            .rounded((decimals as i64).saturating_add(1))
-            .scientific(decimals),
-        None => {
-            let decimal = all.shortest(least, same);
-            decimal.scientific(decimal.digits.len().saturating_sub(1))
-        }
-    };
-    f.pad_integral(x[0].is_sign_positive(), "", &text)
-}
-
-/// Digits that are tried first: as many as a double-double always has.
-const LEAST: i64 = 31;
-
-impl fmt::Display for DoubleDouble {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words = self.array();
-        display(&words, LEAST, |d| d.to_words() == words, f)
-    }
-}
-
-impl fmt::LowerExp for DoubleDouble {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words = self.array();
-        scientific(&words, LEAST, |d| d.to_words() == words, f)
-    }
 }
