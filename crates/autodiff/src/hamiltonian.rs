@@ -35,9 +35,9 @@ pub struct Hamiltonian {
     /// A user-supplied gradient, for doubles.
     pub(crate) gradient: Option<GivenGradient>,
     /// H(t, q, p) alone, if the trace is that of H + p_t.
-    pub(crate) alone: Option<Traced>,
+    pub(crate) alone: Option<Arc<Traced>>,
     /// The bracket of y' = B(y)∇H(y), if B is not J.
-    pub(crate) bracket: Option<Box<(Traced, Bracket)>>,
+    pub(crate) bracket: Option<Box<(Arc<Traced>, Bracket)>>,
     /// The number of components of the state. It is odd if the last component is unused.
     pub(crate) components: usize,
 }
@@ -45,14 +45,14 @@ pub struct Hamiltonian {
 /// The source of H.
 #[derive(Debug, Clone)]
 pub(crate) enum Energy {
-    Traced(Traced),
+    Traced(Arc<Traced>),
     External(External),
 }
 
 impl Hamiltonian {
-    pub(crate) fn traced(energy: Traced, alone: Option<Traced>) -> Self {
+    pub(crate) fn traced(energy: Arc<Traced>, alone: Option<Arc<Traced>>) -> Self {
         Hamiltonian {
-            components: 2 * energy.shared.structure.degrees_of_freedom,
+            components: 2 * energy.structure.degrees_of_freedom,
             energy: Energy::Traced(energy),
             gradient: None,
             alone,
@@ -61,8 +61,8 @@ impl Hamiltonian {
     }
 
     /// Sets the bracket given by this bilinear form.
-    pub(crate) fn set_bracket(&mut self, form: Traced) {
-        let bracket = Bracket::new(self.energy_structure(), &form.shared.structure);
+    pub(crate) fn set_bracket(&mut self, form: Arc<Traced>) {
+        let bracket = Bracket::new(self.energy_structure(), &form.structure);
         self.bracket = Some(Box::new((form, bracket)));
     }
 
@@ -100,7 +100,7 @@ impl Hamiltonian {
         };
         bytes::write(&Content {
             energy: energy.recording(),
-            alone: self.alone.as_ref().map(Traced::recording),
+            alone: self.alone.as_deref().map(Traced::recording),
             form: self.bracket.as_ref().map(|of| of.0.recording()),
             is_odd: self.components % 2 == 1,
         })
@@ -209,7 +209,7 @@ impl Hamiltonian {
 
     pub(crate) fn energy_structure(&self) -> &Structure {
         match &self.energy {
-            Energy::Traced(traced) => &traced.shared.structure,
+            Energy::Traced(traced) => &traced.structure,
             Energy::External(external) => &external.structure,
         }
     }

@@ -30,14 +30,8 @@ pub(crate) fn differentiate_with_bound(
             rounded.push((node, w));
         }
     });
-    rounded.extend(derivatives.iter().zip(0..).map(|(&derivative, input)| {
-        let w = Adjoint {
-            node: derivative,
-            minus: false,
-            twos: 0,
-        };
-        (input, w)
-    }));
+    let by_inputs = (0..).zip(derivatives.iter().map(|&node| Adjoint::of(node)));
+    rounded.extend(by_inputs);
     let bound = reverse.bound(&rounded);
     (derivatives, bound)
 }

@@ -44,6 +44,16 @@ pub(super) struct Adjoint {
     pub(super) twos: i32,
 }
 
+impl Adjoint {
+    pub(super) fn of(node: u32) -> Self {
+        Adjoint {
+            node,
+            minus: false,
+            twos: 0,
+        }
+    }
+}
+
 pub(super) struct Reverse<'a> {
     pub(super) recorder: &'a mut Recorder,
     first_input: Vec<u32>,
@@ -91,11 +101,7 @@ impl<'a> Reverse<'a> {
     ) -> Vec<(u32, u32)> {
         self.last_input = last_input.min(self.recorder.inputs as u32 - 1);
         self.shares.clear();
-        let one = Adjoint {
-            node: self.number(1.0),
-            minus: false,
-            twos: 0,
-        };
+        let one = Adjoint::of(self.number(1.0));
         self.give(root, one);
         let mut inputs = Vec::new();
         while let Some(node) = self.pending.pop() {
@@ -319,12 +325,11 @@ impl Reverse<'_> {
 
     fn result(&mut self, input: u32) -> Option<u32> {
         let w = self.total(input as usize)?;
-        Some(match self.settled(w) {
-            Adjoint {
-                node, minus: false, ..
-            } => node,
-            Adjoint { node, .. } => self.apply(Op::Neg, node, node),
-        })
+        let Adjoint { node, minus, .. } = self.settled(w);
+        if minus {
+            return Some(self.apply(Op::Neg, node, node));
+        }
+        Some(node)
     }
 
     /// Whether a node depends on an input by which the current pass differentiates.

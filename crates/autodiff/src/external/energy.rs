@@ -3,7 +3,8 @@
 use super::check::{at_or_near, by_differences, largest};
 use super::given::{Given, GivenGradient};
 use crate::recording::recorder::MOST;
-use crate::replay::point::{Points, check_hessians};
+use crate::replay::batch::Batch;
+use crate::replay::point::{Points, check_components};
 use crate::structure::facts::HessianPattern;
 use crate::{BuildError, Structure, WrongGradient};
 use equip_scalar::Float;
@@ -87,11 +88,7 @@ impl<T: Float> ExternalEvaluator<T> {
     }
 
     fn check(&self, lengths: &[usize]) {
-        let n = 2 * self.of.structure.degrees_of_freedom;
-        assert!(
-            lengths.iter().all(|&l| l == n),
-            "a state of this system has {n} components"
-        );
+        check_components(2 * self.of.structure.degrees_of_freedom, lengths);
     }
 
     pub(crate) fn value(&mut self, y: &[T]) -> T {
@@ -163,7 +160,7 @@ impl<T: Float> ExternalEvaluator<T> {
     /// All n² entries, symmetric.
     pub(crate) fn hessian(&mut self, y: &[T], entries: &mut [T]) {
         let n = y.len();
-        check_hessians([n, n * n], [y.len(), entries.len()], 1, 1);
+        Batch::one(y, entries).check([n, n * n]);
         let mut unit = std::mem::take(&mut self.unit);
         unit.clear();
         unit.resize(n, T::int(0));
@@ -181,21 +178,11 @@ impl<T: Float> ExternalEvaluator<T> {
         }
     }
 
-    pub(crate) fn hessians(
-        &mut self,
-        states: &[T],
-        entries: &mut [T],
-        stride: usize,
-        count: usize,
-    ) {
-        let lengths = [states.len(), entries.len()];
+    pub(crate) fn hessians(&mut self, batch: Batch<T>) {
         let n = 2 * self.of.structure.degrees_of_freedom;
-        check_hessians([n, n * n], lengths, stride, count);
+        batch.check([n, n * n]);
         let mut points = std::mem::take(&mut self.points);
-        points.make_room(states.len() / stride, entries.len() / stride);
-        points.each(states, entries, stride, count, |y, entries| {
-            self.hessian(y, entries)
-        });
+        points.each(batch, [n, n * n], |y, entries| self.hessian(y, entries));
         self.points = points;
     }
 }

@@ -2,7 +2,8 @@
 
 use super::check::{at_or_near, compare};
 use crate::WrongGradient;
-use crate::replay::point::{Points, check_batch};
+use crate::replay::batch::Batch;
+use crate::replay::point::{Points, check_components};
 use equip_scalar::Float;
 use std::fmt;
 use std::sync::Arc;
@@ -43,7 +44,7 @@ impl<T: Float> Given<T> {
             gradient: gradient.clone(),
             state: vec![0.0; n],
             derivative: vec![0.0; n],
-            points: Points::new(n),
+            points: Points::default(),
         }
     }
 
@@ -60,9 +61,7 @@ impl<T: Float> Given<T> {
     /// # Panics
     /// If `y` or `gradient` has another length.
     pub(crate) fn at(&mut self, y: &[T], gradient: &mut [T]) {
-        let n = self.state.len();
-        let fits = y.len() == n && gradient.len() == n;
-        assert!(fits, "a state of this system has {n} components");
+        check_components(self.state.len(), &[y.len(), gradient.len()]);
         self.in_doubles(y);
         self.gradient.at(&self.state, &mut self.derivative);
         let derivatives = gradient.iter_mut().zip(&self.derivative);
@@ -77,25 +76,16 @@ impl<T: Float> Given<T> {
     }
 
     /// ∇H at several states, component by component.
-    pub(crate) fn by_component(
-        &mut self,
-        states: &[T],
-        gradients: &mut [T],
-        stride: usize,
-        count: usize,
-    ) {
-        let lengths = [states.len(), gradients.len()];
-        check_batch(self.state.len(), lengths, stride, count);
-        self.each(states, gradients, stride, count);
+    pub(crate) fn by_component(&mut self, batch: Batch<T>) {
+        batch.check([self.state.len(); 2]);
+        self.each(batch);
     }
 
-    /// ∇H at each point of a batch that is stored component by component, with all n components or the
-    /// positions alone.
-    pub(crate) fn each(&mut self, states: &[T], gradients: &mut [T], stride: usize, count: usize) {
+    /// ∇H at each point of a batch with all n components or the positions alone.
+    pub(crate) fn each(&mut self, batch: Batch<T>) {
         let mut points = std::mem::take(&mut self.points);
-        points.each(states, gradients, stride, count, |y, derivative| {
-            self.at(y, derivative);
-        });
+        let lengths = [self.state.len(); 2];
+        points.each(batch, lengths, |y, derivative| self.at(y, derivative));
         self.points = points;
     }
 

@@ -23,7 +23,7 @@ pub(crate) struct Term {
 }
 
 /// Operations, in an order in which operands precede their users.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Graph {
     pub(crate) inputs: usize,
     pub(crate) nodes: Vec<Node>,
@@ -44,13 +44,9 @@ impl Graph {
         let chains = Chains::new(&recorder.nodes, &uses);
         let mut graph = Graph {
             inputs: recorder.inputs,
-            nodes: Vec::new(),
             constants: recorder.constants.clone(),
             functions: recorder.functions.clone(),
-            terms: Vec::new(),
-            sums: Vec::new(),
-            roots: Vec::new(),
-            is_constant: Vec::new(),
+            ..Graph::default()
         };
         let mut renumbered = vec![0; recorder.nodes.len()];
         for (i, node) in recorder.nodes.iter().enumerate() {
@@ -157,11 +153,7 @@ impl Graph {
         }));
         self.terms[start..].reverse();
         self.sums.push(start..self.terms.len());
-        self.push(Node {
-            op: Op::Sum(self.sums.len() as u32 - 1),
-            a: 0,
-            b: 0,
-        });
+        self.push(Node::leaf(Op::Sum(self.sums.len() as u32 - 1)));
     }
 
     fn push(&mut self, node: Node) {

@@ -187,6 +187,17 @@ pub(crate) struct Node {
     pub(crate) b: u32,
 }
 
+impl Node {
+    pub(crate) fn new(op: Op, a: u32, b: u32) -> Self {
+        Node { op, a, b }
+    }
+
+    /// Without operands of its own.
+    pub(crate) fn leaf(op: Op) -> Self {
+        Node::new(op, 0, 0)
+    }
+}
+
 /// Operations in the order of the trace, inputs first.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Operations {

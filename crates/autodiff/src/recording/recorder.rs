@@ -117,11 +117,7 @@ impl Recorder {
 
     /// A recorder that uses the capacity of `operations`, which must be empty.
     fn of(id: u32, inputs: usize, mut operations: Operations) -> Self {
-        let input = |i| Node {
-            op: Op::Input(i),
-            a: 0,
-            b: 0,
-        };
+        let input = |i| Node::leaf(Op::Input(i));
         operations.inputs = inputs;
         operations.nodes.extend((0..inputs as u32).map(input));
         Recorder {
@@ -147,11 +143,7 @@ impl Recorder {
 
     pub(crate) fn constant(&mut self, c: Constant) -> u32 {
         let k = self.constant_entry(c);
-        self.node(Node {
-            op: Op::Constant(k),
-            a: 0,
-            b: 0,
-        })
+        self.node(Node::leaf(Op::Constant(k)))
     }
 
     /// xᶜ. Half-integer powers are computed with roots.
@@ -160,11 +152,7 @@ impl Recorder {
             return self.half_power(x, n);
         }
         let k = self.constant_entry(c);
-        self.node(Node {
-            op: Op::Powf(k),
-            a: x,
-            b: x,
-        })
+        self.node(Node::new(Op::Powf(k), x, x))
     }
 
     /// x^(n/2) for an odd n.
@@ -190,25 +178,13 @@ impl Recorder {
             Op::Mul if self.is_double(b, 1.0) => a,
             Op::Mul if self.is_double(a, -1.0) => self.apply(Op::Neg, b, b),
             Op::Mul if self.is_double(b, -1.0) => self.apply(Op::Neg, a, a),
-            Op::Mul if a == b => self.node(Node {
-                op: Op::Square,
-                a,
-                b,
-            }),
+            Op::Mul if a == b => self.node(Node::new(Op::Square, a, b)),
             Op::Div if self.is_double(b, 1.0) => a,
             Op::Neg if self.nodes[a as usize].op == Op::Neg => self.nodes[a as usize].a,
             Op::Powi(0) => self.constant(Constant::double(1.0)),
             Op::Powi(1) => a,
-            Op::Powi(2) => self.node(Node {
-                op: Op::Square,
-                a,
-                b,
-            }),
-            op if op.is_commutative() => self.node(Node {
-                op,
-                a: a.min(b),
-                b: a.max(b),
-            }),
+            Op::Powi(2) => self.node(Node::new(Op::Square, a, b)),
+            op if op.is_commutative() => self.node(Node::new(op, a.min(b), a.max(b))),
             op => self.node(Node { op, a, b }),
         }
     }

@@ -29,6 +29,12 @@ pub struct Trace {
     node: u32,
 }
 
+impl Trace {
+    fn new(recording: u32, node: u32) -> Self {
+        Trace { recording, node }
+    }
+}
+
 /// The trace number of a variable created outside a trace.
 const NOWHERE: u32 = 0;
 
@@ -67,10 +73,7 @@ fn begin(m: usize) -> Result<(u32, Vec<Var>), BuildError> {
         return Err(BuildError::TooManyDegreesOfFreedom { m });
     }
     let id = LAST.fetch_add(1, Ordering::Relaxed).wrapping_add(1).max(1);
-    let variable = |node| Trace {
-        recording: id,
-        node,
-    };
+    let variable = |node| Trace::new(id, node);
     RECORDERS.with_borrow_mut(|stack| stack.push(Recorder::new(id, 2 * m)));
     Ok((
         id,
@@ -99,21 +102,14 @@ fn end(id: u32, result: Trace) -> Result<recorder::Recording, BuildError> {
 /// Appends to the innermost trace. An operand of another trace is an error at its end.
 fn append(operands: &[Trace], f: impl FnOnce(&mut Recorder) -> u32) -> Trace {
     RECORDERS.with_borrow_mut(|stack| match stack.last_mut() {
-        Some(recorder) if operands.iter().all(|x| x.recording == recorder.id) => Trace {
-            recording: recorder.id,
-            node: f(recorder),
-        },
+        Some(recorder) if operands.iter().all(|x| x.recording == recorder.id) => {
+            Trace::new(recorder.id, f(recorder))
+        }
         Some(recorder) => {
             recorder.foreign = true;
-            Trace {
-                recording: recorder.id,
-                node: 0,
-            }
+            Trace::new(recorder.id, 0)
         }
-        None => Trace {
-            recording: NOWHERE,
-            node: 0,
-        },
+        None => Trace::new(NOWHERE, 0),
     })
 }
 
@@ -172,16 +168,7 @@ macro_rules! binary {
 
 impl Scalar for Trace {
     fn constant(c: Constant) -> Trace {
-        RECORDERS.with_borrow_mut(|stack| match stack.last_mut() {
-            Some(recorder) => Trace {
-                recording: recorder.id,
-                node: recorder.constant(c),
-            },
-            None => Trace {
-                recording: NOWHERE,
-                node: 0,
-            },
-        })
+        append(&[], |recorder| recorder.constant(c))
     }
 
     fn powi(x: Trace, n: i32) -> Trace {

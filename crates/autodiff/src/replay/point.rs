@@ -1,12 +1,13 @@
 //! Points one after the other, for functions that are not computed in lanes.
 
+use crate::replay::batch::Batch;
 use equip_scalar::Float;
 
-/// Workspace for one state and one gradient.
+/// Workspace for one state and its results.
 #[derive(Debug, Clone)]
 pub(crate) struct Points<T> {
     state: Vec<T>,
-    derivative: Vec<T>,
+    results: Vec<T>,
 }
 
 // Not derived, since `T` need not have a default.
@@ -14,68 +15,43 @@ impl<T> Default for Points<T> {
     fn default() -> Self {
         Points {
             state: Vec::new(),
-            derivative: Vec::new(),
+            results: Vec::new(),
         }
     }
 }
 
 impl<T: Float> Points<T> {
-    pub(crate) fn new(n: usize) -> Self {
-        Points {
-            state: vec![T::int(0); n],
-            derivative: vec![T::int(0); n],
-        }
-    }
-
-    /// Resizes the workspace for states and results of these lengths.
-    pub(crate) fn make_room(&mut self, state: usize, results: usize) {
-        self.state.resize(state, T::int(0));
-        self.derivative.resize(results, T::int(0));
-    }
-
-    /// Calls `gradient` for each point of a batch that is stored component by component. If the batch has
-    /// fewer components than a state, the remaining ones are 0.
+    /// Calls `compute` for each point of a batch, with states and results of these lengths. If the batch has
+    /// fewer components than a state, the remaining ones are 0; results that it has no room for are lost.
     pub(crate) fn each(
         &mut self,
-        states: &[T],
-        gradients: &mut [T],
-        stride: usize,
-        count: usize,
-        mut gradient: impl FnMut(&[T], &mut [T]),
+        batch: Batch<T>,
+        [components, results]: [usize; 2],
+        mut compute: impl FnMut(&[T], &mut [T]),
     ) {
-        let components = states.len() / stride;
-        self.state[components..].fill(T::int(0));
-        for i in 0..count {
-            for (place, row) in self.state.iter_mut().zip(states.chunks_exact(stride)) {
+        self.state.clear();
+        self.state.resize(components, T::int(0));
+        self.results.resize(results, T::int(0));
+        for i in 0..batch.count {
+            let rows = batch.states.chunks_exact(batch.stride);
+            for (place, row) in self.state.iter_mut().zip(rows) {
                 *place = row[i];
             }
-            gradient(&self.state, &mut self.derivative);
-            for (row, &derivative) in gradients.chunks_exact_mut(stride).zip(&self.derivative) {
-                row[i] = derivative;
+            compute(&self.state, &mut self.results);
+            let rows = batch.gradients.chunks_exact_mut(batch.stride);
+            for (row, &result) in rows.zip(&self.results) {
+                row[i] = result;
             }
         }
     }
 }
 
 /// # Panics
-/// If a batch does not have this number of components.
-#[inline(always)]
-pub(crate) fn check_batch(components: usize, lengths: [usize; 2], stride: usize, count: usize) {
+/// If a slice does not have this number of components.
+pub(crate) fn check_components(n: usize, lengths: &[usize]) {
     assert!(
-        lengths == [components * stride; 2] && count <= stride,
-        "a batch of this system has {components} components with room for {count} points each"
-    );
-}
-
-/// # Panics
-/// If there are not n components of states, and the entries of as many ∇²H: `rows`.
-#[inline(always)]
-pub(crate) fn check_hessians(rows: [usize; 2], lengths: [usize; 2], stride: usize, count: usize) {
-    assert!(
-        lengths == rows.map(|rows| rows * stride) && count <= stride,
-        "a state of this system has {} components and its Hessian {} entries, with room for {count} points each",
-        rows[0],
-        rows[1]
+        lengths.iter().all(|&length| length == n),
+        "a state of this system has {n} components"
     );
 }
 

@@ -69,7 +69,7 @@ pub(crate) struct Block {
 }
 
 /// A traced energy, independent of the float type.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Tape {
     pub(crate) constants: Vec<Constant>,
     /// The constants used as exponents, by the index in [`Op::Powf`] and [`Op::PowfDerivative`] after layout.

@@ -1,12 +1,11 @@
 //! [`Replay`]: the values of all slots of a tape, in one scalar type.
 
-use crate::derivative::rounded::Rounded;
 use crate::recording::graph::Graph;
 use crate::replay::batch::Batch;
 use crate::replay::forward::{CompensatedSum, forward};
 use crate::replay::layout::{Blocks, layout};
 use crate::replay::tape::{Block, Run, Tape, Transfer};
-use equip_scalar::{Constant, FirstOrder, Float, InstructionSet, Pack, Scalar};
+use equip_scalar::{Constant, Float, InstructionSet, Scalar};
 
 /// Workspace for replaying one tape. Constants, and values that depend on constants only, are computed on
 /// construction.
@@ -74,29 +73,9 @@ impl<T: Float> Replay<T> {
     }
 }
 
-impl<T: Float> Replay<Rounded<T>> {
-    pub(crate) fn rounded(tape: &Tape) -> Self {
-        Replay::<T>::new(tape).widened(Rounded::fixed)
-    }
-}
-
 impl<S> Replay<S> {
-    pub(crate) fn packs<T: Float, const N: usize>(tape: &Tape) -> Self
-    where
-        S: Pack<T, N>,
-    {
-        Replay::<T>::new(tape).widened(S::splat)
-    }
-
-    /// On dual numbers over `T`.
-    pub(crate) fn duals<T: Float<Forward<1> = S>>(tape: &Tape) -> Self
-    where
-        S: FirstOrder<T, 1>,
-    {
-        Replay::<T>::new(tape).widened(|x| S::with_gradient(x, [T::int(0)]))
-    }
-
-    fn widened<W>(self, wide: impl Fn(S) -> W) -> Replay<W> {
+    /// The same replay on other numbers.
+    pub(crate) fn widened<W>(self, wide: impl Fn(S) -> W) -> Replay<W> {
         Replay {
             results: self.results.into_iter().map(&wide).collect(),
             values: self.values.into_iter().map(wide).collect(),

@@ -5,7 +5,8 @@ use crate::external::energy::ExternalEvaluator;
 use crate::external::given::Given;
 use crate::hamiltonian::{Energy, Hamiltonian};
 use crate::native::fused::{Fused, Joined, fuse};
-use crate::replay::point::{check_batch, require_separable};
+use crate::replay::batch::Batch;
+use crate::replay::point::require_separable;
 use crate::structure::bracket::Bracket;
 use crate::{Kinetic, Pattern, WrongGradient};
 use equip_scalar::{Float, InstructionSet};
@@ -67,8 +68,8 @@ impl<T: Float> Evaluator<T> {
     fn new(of: &Hamiltonian) -> Self {
         let source = match &of.energy {
             Energy::Traced(traced) => {
-                let n = 2 * traced.shared.structure.degrees_of_freedom;
-                let evaluator = Box::new((ready::<T>().evaluator)(&traced.shared));
+                let n = 2 * traced.structure.degrees_of_freedom;
+                let evaluator = Box::new((ready::<T>().evaluator)(traced));
                 match of.gradient.as_ref().filter(|_| T::IS_DOUBLE) {
                     Some(gradient) => WithGradient(evaluator, Box::new(Given::new(gradient, n))),
                     None => Traced(evaluator),
@@ -79,7 +80,7 @@ impl<T: Float> Evaluator<T> {
         let bracket = of.bracket.as_deref().map(|(form, bracket)| {
             Box::new(Turned {
                 of: bracket.clone(),
-                form: (ready::<T>().evaluator)(&form.shared),
+                form: (ready::<T>().evaluator)(form),
                 pattern: of.energy_structure().hessian.to_pattern(),
                 gradients: Vec::new(),
                 hessians: Vec::new(),
@@ -198,16 +199,14 @@ impl<T: Float> Evaluator<T> {
         stride: usize,
         count: usize,
     ) {
+        let batch = Batch::new(positions, gradients, stride, count);
         match &mut self.source {
-            Traced(traced) => {
-                (ready::<T>().forces_by_component)(traced, positions, gradients, stride, count);
-            }
+            Traced(traced) => (ready::<T>().forces_by_component)(traced, batch),
             WithGradient(traced, given) => {
                 let structure = &traced.shared.structure;
                 require_separable(structure.separable);
-                let lengths = [positions.len(), gradients.len()];
-                check_batch(structure.degrees_of_freedom, lengths, stride, count);
-                given.each(positions, gradients, stride, count);
+                batch.check([structure.degrees_of_freedom; 2]);
+                given.each(batch);
             }
             External(external) => require_separable(external.of.structure.separable),
         }

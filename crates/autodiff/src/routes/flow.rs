@@ -6,6 +6,7 @@
 
 use super::evaluator::{Evaluator, Source, Turned};
 use super::traced_evaluator::ready;
+use crate::replay::batch::Batch;
 use crate::structure::conjugate::{turn, turned};
 use equip_scalar::Float;
 
@@ -60,14 +61,11 @@ impl<T: Float> Evaluator<T> {
         stride: usize,
         count: usize,
     ) {
+        let batch = Batch::new(states, &mut *gradients, stride, count);
         match &mut self.source {
-            Traced(traced) => {
-                (ready::<T>().gradients_by_component)(traced, states, gradients, stride, count);
-            }
-            WithGradient(_, given) => given.by_component(states, gradients, stride, count),
-            External(external) => {
-                (external.given).by_component(states, gradients, stride, count);
-            }
+            Traced(traced) => (ready::<T>().gradients_by_component)(traced, batch),
+            WithGradient(_, given) => given.by_component(batch),
+            External(external) => external.given.by_component(batch),
         }
         if let Some(turned) = &mut self.bracket {
             turned.turn(states, gradients, stride, count);
@@ -123,7 +121,7 @@ impl<T: Float> Evaluator<T> {
         count: usize,
     ) {
         let Some(mut turned) = self.bracket.take() else {
-            return self.energy_hessians(states, entries, (stride, count));
+            return self.energy_hessians(Batch::new(states, entries, stride, count));
         };
         turned.gradients.resize(states.len(), T::int(0));
         turned
@@ -131,22 +129,17 @@ impl<T: Float> Evaluator<T> {
             .resize(turned.pattern.len() * stride, T::int(0));
         // With the bracket taken out, these are gradients of H.
         self.gradients_by_component(states, &mut turned.gradients, stride, count);
-        self.energy_hessians(states, &mut turned.hessians, (stride, count));
+        self.energy_hessians(Batch::new(states, &mut turned.hessians, stride, count));
         turned.jacobians(states, entries, (stride, count));
         self.bracket = Some(turned);
     }
 
-    fn energy_hessians(
-        &mut self,
-        states: &[T],
-        entries: &mut [T],
-        (stride, count): (usize, usize),
-    ) {
+    fn energy_hessians(&mut self, batch: Batch<T>) {
         match &mut self.source {
             Traced(traced) | WithGradient(traced, _) => {
-                (ready::<T>().hessians_by_component)(traced, states, entries, stride, count);
+                (ready::<T>().hessians_by_component)(traced, batch);
             }
-            External(external) => external.hessians(states, entries, stride, count),
+            External(external) => external.hessians(batch),
         }
     }
 }
@@ -171,8 +164,8 @@ impl<T: Float> Turned<T> {
     fn turn(&mut self, states: &[T], gradients: &mut [T], stride: usize, count: usize) {
         self.set((states, gradients), stride, count);
         self.of_form.resize(self.points.len(), T::int(0));
-        let (form, points, results) = (&mut self.form, &self.points, &mut self.of_form);
-        (ready::<T>().gradients_by_component)(form, points, results, stride, count);
+        let batch = Batch::new(&self.points, &mut self.of_form, stride, count);
+        (ready::<T>().gradients_by_component)(&mut self.form, batch);
         self.take(gradients, stride);
     }
 
@@ -195,8 +188,9 @@ impl<T: Float> Turned<T> {
         self.gradients = gradients;
         let len = self.form.shared.structure.hessian.len() * stride;
         self.entries.resize(len, T::int(0));
-        let (form, points, own) = (&mut self.form, &self.points, &mut self.entries);
-        (ready::<T>().hessians_by_component)(form, points, own, stride, count);
+        let batch = Batch::new(&self.points, &mut self.entries, stride, count);
+        (ready::<T>().hessians_by_component)(&mut self.form, batch);
+        let own = &self.entries;
         let of_form = &self.form.shared.structure.hessian;
         let (jacobian, n) = (
             self.of.jacobian(&self.pattern, of_form),

@@ -31,7 +31,7 @@ impl<T: Float> One<T> {
     pub(crate) fn run(&mut self, set: InstructionSet, of: &Results, y: &[T], results: &mut [T]) {
         if self
             .runs(of)
-            .run(set, &mut Batch::one(y, results))
+            .run(set, &mut Batch::one(y, &mut *results))
             .is_none()
         {
             let tape = of.one();
@@ -88,14 +88,18 @@ impl<T: Float> Many<T> {
         }
         let (tape, batch) = (of.many(), &mut batch);
         if const { T::IS_DOUBLE } && batch.stride <= 4 {
-            let replay = self.four.get_or_insert_with(|| Replay::packs(tape));
+            let replay = self
+                .four
+                .get_or_insert_with(|| Replay::<T>::new(tape).widened(Pack::splat));
             set.run(&mut Group::<T, 4> {
                 tape,
                 replay,
                 batch,
             });
         } else {
-            let replay = self.eight.get_or_insert_with(|| Replay::packs(tape));
+            let replay = self
+                .eight
+                .get_or_insert_with(|| Replay::<T>::new(tape).widened(Pack::splat));
             set.run(&mut Group::<T, 8> {
                 tape,
                 replay,

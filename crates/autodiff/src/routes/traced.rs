@@ -17,43 +17,9 @@ use crate::structure::{degree, separable, sparsity};
 use crate::{BuildError, Structure};
 use std::sync::{Arc, OnceLock};
 
-/// An energy traced from a closure.
-#[derive(Debug, Clone)]
-pub(crate) struct Traced {
-    pub(crate) shared: Arc<Derived>,
-}
-
-impl Traced {
-    pub(crate) fn of(recording: Recording) -> Result<Self, BuildError> {
-        let m = recording.operations.inputs / 2;
-        let shared = Arc::new(Derived::new(m, recording)?);
-        Ok(Traced { shared })
-    }
-
-    pub(crate) fn hessian_operations(&self) -> usize {
-        match self.shared.hessian() {
-            Hessian::Recorded(entries) => entries.one().operations(),
-            Hessian::ByColours(colouring) => 3 * colouring.colours * self.gradient_operations(),
-        }
-    }
-
-    pub(crate) fn operations(&self) -> usize {
-        self.shared.energy.one().operations()
-    }
-
-    /// The trace of H.
-    pub(crate) fn recording(&self) -> &Recording {
-        &self.shared.recording
-    }
-
-    pub(crate) fn gradient_operations(&self) -> usize {
-        self.shared.gradient().one().operations()
-    }
-}
-
-/// A trace and everything derived from it, shared by the evaluators of all float types.
+/// The trace of an energy and everything derived from it, shared by the evaluators of all float types.
 #[derive(Debug)]
-pub(crate) struct Derived {
+pub(crate) struct Traced {
     recording: Recording,
     pub(crate) energy: Results,
     /// Whether H has a sum that is long enough to be compensated.
@@ -88,11 +54,12 @@ pub(crate) enum Hessian {
 const LONG_HESSIAN: usize = 1 << 20;
 const MOST_TIMES: usize = 16;
 
-impl Derived {
-    pub(crate) fn new(m: usize, recording: Recording) -> Result<Self, BuildError> {
+impl Traced {
+    pub(crate) fn of(recording: Recording) -> Result<Arc<Self>, BuildError> {
+        let m = recording.operations.inputs / 2;
         let graph = Arc::new(Graph::new(&recording.operations, &[recording.root]));
         check_constants(&graph)?;
-        Ok(Derived {
+        Ok(Arc::new(Traced {
             recording,
             has_long_sums: graph.has_sum_of(LONG),
             structure: Structure {
@@ -107,7 +74,27 @@ impl Derived {
             derivatives: OnceLock::new(),
             with_bound: OnceLock::new(),
             hessian: OnceLock::new(),
-        })
+        }))
+    }
+
+    /// The trace of H.
+    pub(crate) fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    pub(crate) fn operations(&self) -> usize {
+        self.energy.one().operations()
+    }
+
+    pub(crate) fn gradient_operations(&self) -> usize {
+        self.gradient().one().operations()
+    }
+
+    pub(crate) fn hessian_operations(&self) -> usize {
+        match self.hessian() {
+            Hessian::Recorded(entries) => entries.one().operations(),
+            Hessian::ByColours(colouring) => 3 * colouring.colours * self.gradient_operations(),
+        }
     }
 
     pub(super) fn formula_checksum(&self) -> u64 {

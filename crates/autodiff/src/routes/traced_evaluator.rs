@@ -1,10 +1,10 @@
 //! [`TracedEvaluator`]: the evaluations of a trace in one float type.
 
 use super::many::{Many, One};
-use super::traced::{Derived, Hessian};
+use super::traced::{Hessian, Traced};
 use crate::derivative::rounded::Rounded;
 use crate::replay::batch::Batch;
-use crate::replay::point::{Points, check_batch, check_hessians, require_separable};
+use crate::replay::point::{Points, check_components, require_separable};
 use crate::replay::values::Replay;
 use crate::{Kinetic, Structure};
 use equip_scalar::{FirstOrder, Float, InstructionSet};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// Evaluates a traced energy in the float type `T`. The first call of each kind allocates workspace.
 #[derive(Debug, Clone)]
 pub(crate) struct TracedEvaluator<T: Float> {
-    pub(super) shared: Arc<Derived>,
+    pub(super) shared: Arc<Traced>,
     pub(super) set: InstructionSet,
     energy: One<T>,
     with_bound: One<T>,
@@ -29,7 +29,7 @@ pub(crate) struct TracedEvaluator<T: Float> {
 }
 
 impl<T: Float> TracedEvaluator<T> {
-    pub(crate) fn new(of: &Arc<Derived>) -> Self {
+    pub(crate) fn new(of: &Arc<Traced>) -> Self {
         TracedEvaluator {
             shared: Arc::clone(of),
             set: InstructionSet::best(),
@@ -46,11 +46,7 @@ impl<T: Float> TracedEvaluator<T> {
     }
 
     fn check(&self, lengths: &[usize]) {
-        let n = 2 * self.shared.structure.degrees_of_freedom;
-        assert!(
-            lengths.iter().all(|&l| l == n),
-            "a state of this system has {n} components"
-        );
+        check_components(2 * self.shared.structure.degrees_of_freedom, lengths);
     }
 
     pub(crate) fn value_at(&mut self, y: &[T]) -> T {
@@ -97,41 +93,14 @@ impl<T: Float> TracedEvaluator<T> {
         }
     }
 
-    pub(crate) fn gradients_of(
-        &mut self,
-        states: &[T],
-        gradients: &mut [T],
-        stride: usize,
-        count: usize,
-    ) {
-        let n = 2 * self.shared.structure.degrees_of_freedom;
-        check_batch(n, [states.len(), gradients.len()], stride, count);
-        let batch = Batch {
-            states,
-            gradients,
-            stride,
-            count,
-        };
+    pub(crate) fn gradients_of(&mut self, batch: Batch<T>) {
+        batch.check([2 * self.shared.structure.degrees_of_freedom; 2]);
         (self.gradients).run(self.set, self.shared.gradient(), batch);
     }
 
-    pub(crate) fn forces_of(
-        &mut self,
-        positions: &[T],
-        gradients: &mut [T],
-        stride: usize,
-        count: usize,
-    ) {
-        let structure = &self.shared.structure;
-        require_separable(structure.separable);
-        let m = structure.degrees_of_freedom;
-        check_batch(m, [positions.len(), gradients.len()], stride, count);
-        let batch = Batch {
-            states: positions,
-            gradients,
-            stride,
-            count,
-        };
+    pub(crate) fn forces_of(&mut self, batch: Batch<T>) {
+        require_separable(self.shared.structure.separable);
+        batch.check([self.shared.structure.degrees_of_freedom; 2]);
         if let Some(of) = &self.shared.derivatives().forces {
             self.forces.run(self.set, of, batch);
         }
@@ -154,7 +123,8 @@ impl<T: Float> TracedEvaluator<T> {
     pub(crate) fn hessian_times(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         self.check(&[y.len(), v.len(), product.len()]);
         let tape = self.shared.gradient().one();
-        let duals = (self.duals).get_or_insert_with(|| Replay::duals::<T>(tape));
+        let dual = |x| T::Forward::with_gradient(x, [T::int(0)]);
+        let duals = (self.duals).get_or_insert_with(|| Replay::<T>::new(tape).widened(dual));
         let rows = duals.run(tape, |k| T::Forward::with_gradient(y[k], [v[k]]));
         for (entry, row) in product.iter_mut().zip(rows) {
             [*entry] = row.gradient();
@@ -164,7 +134,8 @@ impl<T: Float> TracedEvaluator<T> {
     pub(crate) fn gradient_rounding_at(&mut self, y: &[T], off: &mut [T]) {
         self.check(&[y.len(), off.len()]);
         let tape = self.shared.gradient().one();
-        let rounded = (self.rounded).get_or_insert_with(|| Replay::rounded(tape));
+        let rounded = || Replay::<T>::new(tape).widened(Rounded::fixed);
+        let rounded = self.rounded.get_or_insert_with(rounded);
         let rows = rounded.run(tape, |k| Rounded {
             value: y[k],
             error: T::EPSILON * y[k].abs(),
@@ -177,7 +148,7 @@ impl<T: Float> TracedEvaluator<T> {
     pub(crate) fn hessian_at(&mut self, y: &[T], entries: &mut [T]) {
         let shared = Arc::clone(&self.shared);
         let structure = &shared.structure;
-        check_hessians(rows_of(structure), [y.len(), entries.len()], 1, 1);
+        Batch::one(y, entries).check(rows_of(structure));
         match shared.hessian() {
             Hessian::Recorded(of) => self.hessians.one.run(self.set, of, y, entries),
             Hessian::ByColours(colouring) => {
@@ -187,36 +158,15 @@ impl<T: Float> TracedEvaluator<T> {
         }
     }
 
-    pub(crate) fn hessians_of(
-        &mut self,
-        states: &[T],
-        entries: &mut [T],
-        stride: usize,
-        count: usize,
-    ) {
+    pub(crate) fn hessians_of(&mut self, batch: Batch<T>) {
         let shared = Arc::clone(&self.shared);
-        check_hessians(
-            rows_of(&shared.structure),
-            [states.len(), entries.len()],
-            stride,
-            count,
-        );
+        let lengths = rows_of(&shared.structure);
+        batch.check(lengths);
         match shared.hessian() {
-            Hessian::Recorded(of) => {
-                let batch = Batch {
-                    states,
-                    gradients: entries,
-                    stride,
-                    count,
-                };
-                self.hessians.run(self.set, of, batch);
-            }
+            Hessian::Recorded(of) => self.hessians.run(self.set, of, batch),
             Hessian::ByColours(_) => {
                 let mut points = std::mem::take(&mut self.points);
-                points.make_room(states.len() / stride, entries.len() / stride);
-                points.each(states, entries, stride, count, |y, entries| {
-                    self.hessian_at(y, entries);
-                });
+                points.each(batch, lengths, |y, entries| self.hessian_at(y, entries));
                 self.points = points;
             }
         }
@@ -233,19 +183,19 @@ fn rows_of(structure: &Structure) -> [usize; 2] {
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
-    pub(crate) evaluator: fn(&Arc<Derived>) -> TracedEvaluator<T>,
+    pub(crate) evaluator: fn(&Arc<Traced>) -> TracedEvaluator<T>,
     pub(crate) value: fn(&mut TracedEvaluator<T>, &[T]) -> T,
     pub(crate) compensated_value: fn(&mut TracedEvaluator<T>, &[T]) -> T,
     pub(crate) gradient_with_bound: fn(&mut TracedEvaluator<T>, &[T], &mut [T]) -> (T, T),
     pub(crate) bound: fn(&mut TracedEvaluator<T>, &[T]) -> T,
     pub(crate) gradients: fn(&mut TracedEvaluator<T>, &[T], &mut [T], usize),
-    pub(crate) gradients_by_component: fn(&mut TracedEvaluator<T>, &[T], &mut [T], usize, usize),
-    pub(crate) forces_by_component: fn(&mut TracedEvaluator<T>, &[T], &mut [T], usize, usize),
+    pub(crate) gradients_by_component: fn(&mut TracedEvaluator<T>, Batch<T>),
+    pub(crate) forces_by_component: fn(&mut TracedEvaluator<T>, Batch<T>),
     pub(crate) kinetic: fn(&mut TracedEvaluator<T>) -> Option<Kinetic<T>>,
     pub(crate) gradient_rounding: fn(&mut TracedEvaluator<T>, &[T], &mut [T]),
     pub(crate) hessian_vector: fn(&mut TracedEvaluator<T>, &[T], &[T], &mut [T]),
     pub(crate) hessian: fn(&mut TracedEvaluator<T>, &[T], &mut [T]),
-    pub(crate) hessians_by_component: fn(&mut TracedEvaluator<T>, &[T], &mut [T], usize, usize),
+    pub(crate) hessians_by_component: fn(&mut TracedEvaluator<T>, Batch<T>),
 }
 
 impl<T: Float> Ready<T> {

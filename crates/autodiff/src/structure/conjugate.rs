@@ -24,10 +24,6 @@ pub(crate) fn turn<T: Float>(x: &mut [T]) {
 #[doc(hidden)]
 #[inline(always)]
 pub fn turned<T: Float>(c: usize, n: usize) -> (usize, T) {
-    let m = n / 2;
-    if c < m {
-        (c + m, T::int(-1))
-    } else {
-        (c - m, T::int(1))
-    }
+    let (r, is_momentum) = conjugate(c, n);
+    (r, T::int(if is_momentum { 1 } else { -1 }))
 }
