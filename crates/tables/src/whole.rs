@@ -47,14 +47,8 @@ pub(crate) fn is_floor(bytes: &[u8]) -> bool {
     bytes == BYTES
 }
 
-/// The floor of hi + lo.
-fn round_off_of([hi, lo]: [f64; 2]) -> DoubleDouble {
-    let whole = hi.floor();
-    if whole == hi {
-        DoubleDouble::new(hi, lo.floor())
-    } else {
-        DoubleDouble::from(whole)
-    }
+fn pair([hi, lo]: [f64; 2]) -> DoubleDouble {
+    DoubleDouble::new(hi, lo)
 }
 
 impl Outside for Floor {
@@ -68,7 +62,7 @@ impl Outside for Floor {
 
     fn derivative_in_pairs(&self, [order, _]: [u8; 2], [x, _]: [[f64; 2]; 2]) -> [f64; 2] {
         match order {
-            0 => words(round_off_of(x)),
+            0 => words(pair(x).floor()),
             _ => [0.0; 2],
         }
     }
@@ -108,9 +102,9 @@ impl Outside for Waves {
     }
 
     fn derivative_in_pairs(&self, [order, _]: [u8; 2], [x, _]: [[f64; 2]; 2]) -> [f64; 2] {
-        let whole = round_off_of(x);
+        let x = pair(x);
+        let whole = x.floor();
         let is_even = (whole.hi() % 2.0 == 0.0) == (whole.lo() % 2.0 == 0.0);
-        let t = DoubleDouble::new(x[0], x[1]) - whole;
-        words(wave(order, t, is_even))
+        words(wave(order, x - whole, is_even))
     }
 }
