@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Equip, IntegrateError, Invariant, Outcome, Record, Run};
+use equip_integrate::{Equip, IntegrateError, Integrator, Invariant, Outcome, Record, Run};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, distance, kepler};
 use std::f64::consts::TAU;
@@ -132,4 +132,22 @@ fn as_many_invariants_as_there_are_alphas() {
     println!("{free:e} {kept:e} {solved}");
     assert!(solved > 35, "{}", run.certificate());
     assert!(kept < free / 2.0, "{free:e} {kept:e}");
+}
+
+/// No α changes a quadratic invariant: to preserve one is to measure it.
+#[test]
+fn a_quadratic_invariant_needs_no_alpha() {
+    let (h, start): (Hamiltonian, Start<f64>) = kepler(6);
+    let moment = Hamiltonian::new(2, |q, p| q[0] * p[1] - q[1] * p[0]).unwrap();
+    let moment = Invariant::new("angular momentum", moment);
+    let method = Equip::stages(4).tolerance(1e-8);
+    let run = |method: Integrator<f64>| {
+        let run = method.integrate(&h, &start.q, &start.p, 0.0..=20.0 * TAU);
+        run.unwrap()
+    };
+    let (plain, preserved) = (run(method.clone()), run(method.preserve(moment)));
+    assert_eq!(plain.last(), preserved.last());
+    let certificate = preserved.certificate();
+    assert!(certificate.energy_conserved_on_every_step());
+    assert!(certificate.invariants[0].max < 1e-13, "{certificate}");
 }

@@ -212,3 +212,48 @@ fn a_corner_that_pushes_back_ends_a_run() {
     println!("{error}");
     assert!(error.contains("step"), "{error}");
 }
+
+/// H is linear on each side of a kink: there is no ∇²H for Newton's method. The motion runs along a diamond
+/// with speed ±1.
+#[test]
+fn an_energy_without_curvature_is_integrated() {
+    let diamond = Hamiltonian::new(1, |q, p| p[0].abs() + q[0].abs()).unwrap();
+    for (q, p, t) in [(1.2, 0.1, 50.0), (-1.0, 0.4, 30.0), (0.3, -0.7, 41.0)] {
+        let method = Equip::stages(8).tolerance(1e-10);
+        let run = method.integrate(&diamond, &[q], &[p], 0.0..=t).unwrap();
+        // The position along the diamond |q| + |p| = r, from (r, 0) towards −p.
+        let r = f64::abs(q) + f64::abs(p);
+        let along = if q > 0.0 { -p } else { 2.0 * r + p };
+        let place = (along + t).rem_euclid(4.0 * r);
+        let wave = |x: f64| (x.rem_euclid(4.0 * r) - 2.0 * r).abs() - r;
+        assert!(
+            apart(&end(&run), &[wave(place), -wave(place - r)]) < 1e-8,
+            "{q} {p}"
+        );
+    }
+}
+
+/// An attempt over a kink is rejected. Its error is no bound for the parts of the step, in which H is
+/// quadratic and the Gauss step exact: q = −5 + 5.8 cos √0.2 t and its mirror image.
+#[test]
+fn a_rejected_attempt_bounds_no_later_step() {
+    let bowl = Hamiltonian::new(1, |q, p| p[0] * p[0] / 2 + q[0].abs() + q[0] * q[0] / 10);
+    let bowl = bowl.unwrap();
+    let exact = |q0: f64, t: f64| {
+        let rate = 0.2_f64.sqrt();
+        let quarter = (5.0 / (5.0 + q0)).acos() / rate;
+        let half = ((t + quarter) / (2.0 * quarter)).floor();
+        let sign = if half % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        sign * ((5.0 + q0) * (rate * (t - 2.0 * quarter * half)).cos() - 5.0)
+    };
+    for q0 in [0.1, 0.3, 0.8, 1.3] {
+        for step in [0.5, 1.0, 1.25, 1.5] {
+            for s in [6, 8, 12] {
+                let method = Equip::stages(s).step(step);
+                let run = method.integrate(&bowl, &[q0], &[0.0], 0.0..=30.0).unwrap();
+                let error = (run.last().1[0] - exact(q0, 30.0)).abs();
+                assert!(error < 1e-12, "q0 = {q0}, h = {step}, s = {s}: {error:e}");
+            }
+        }
+    }
+}

@@ -290,3 +290,33 @@ fn the_motion_leaves_a_table() {
         "{error}"
     );
 }
+
+/// A table far from the origin: its argument has few digits, and no step must be shorter for that. The motion
+/// is that at the origin, up to rounding of the positions.
+#[test]
+fn a_table_may_be_far_from_the_origin() {
+    let at = |offset: f64| {
+        let x: Vec<f64> = (0..41)
+            .map(|i| offset - 6.0 + 0.25 * f64::from(i))
+            .collect();
+        let y: Vec<f64> = x
+            .iter()
+            .map(|x| ((x - offset) / 2.0).cosh() + 0.2 * (3.0 * (x - offset)).sin())
+            .collect();
+        let v = Table::natural(&x, &y).unwrap();
+        Hamiltonian::new(1, move |q, p| p[0] * p[0] / 2 + v.at(q[0])).unwrap()
+    };
+    for tolerance in [1e-11, 1e-12, 1e-13] {
+        let ends = [0.0, 1024.0, 16384.0, 131072.0].map(|offset| {
+            let method = Equip::stages(8).tolerance(tolerance).max_steps(200);
+            let run = method.integrate(&at(offset), &[offset + 1.0], &[0.5], 0.0..=10.0);
+            let run = run.unwrap_or_else(|failure| panic!("{offset}: {failure}"));
+            (offset, end(&run) - offset)
+        });
+        for (offset, q) in &ends[1..] {
+            let error = (q - ends[0].1).abs();
+            let most = 1e3 * (tolerance + f64::EPSILON * offset);
+            assert!(error < most, "{offset}, {tolerance:e}: {error:e}");
+        }
+    }
+}

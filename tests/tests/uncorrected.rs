@@ -97,5 +97,5 @@ fn a_tolerance_leaves_no_series_of_uncorrected_steps() {
     let run = method.integrate(&oscillator.unwrap(), &[30.0], &[0.0], 0.0..=680.0);
     let counts = run.unwrap().certificate().counts;
     assert_eq!(counts.uncorrected(), 0);
-    assert!(counts.gradients <= 39_000, "{counts:?}");
+    assert!(counts.gradients <= 44_500, "{counts:?}");
 }

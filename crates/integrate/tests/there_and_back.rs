@@ -314,3 +314,16 @@ fn indicators_of_a_run_led_back_to_its_start_are_numbers() {
     chaos.advance_to(&mut run, 5.0).unwrap();
     assert!(chaos.lyapunov().abs() < 0.1 && chaos.megno().abs() < 10.0);
 }
+
+/// A whole number of steps ends at the end of the interval, to the last bit.
+#[test]
+fn fixed_steps_end_at_the_end() {
+    let h = Hamiltonian::new(1, |q, p| p[0] * p[0] / 2 - q[0].cos()).unwrap();
+    for n in 1..200 {
+        for end in [15.0, 1.0 / 3.0, -7.1] {
+            let method = Gauss::stages(2).step(f64::abs(end) / f64::from(n));
+            let run = method.integrate(&h, &[1.0], &[0.5], 0.0..=end).unwrap();
+            assert_eq!(run.last().0, end, "{n} steps");
+        }
+    }
+}

@@ -1,8 +1,8 @@
 //! The trait implementations for our float types that num-traits, num-dual, approx and nalgebra require.
 //!
 //! `float_glue!([] T)` generates these implementations. They forward to inherent functions of `T` with the
-//! names of those of `f64`; the macro also writes those that all floats share (`inherent`), and decimal text. A
-//! generic type has its parameters in the brackets. A new float type provides:
+//! names of those of `f64`. The macro also writes the functions that all floats share (`inherent`), and
+//! decimal text. A generic type has its parameters in the brackets. A new float type provides:
 //!
 //! - `Copy`, `Debug`, `PartialEq`, `PartialOrd`, `From<f64>`, `+ − × ÷ %` and negation by value, and our
 //!   [`Float`](crate::Float);

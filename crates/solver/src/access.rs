@@ -199,6 +199,11 @@ impl<T: Float> Core<T> {
         self.is_deferred = true;
     }
 
+    /// Whether the last step has changed a constraint by more than its round-off level.
+    pub fn has_made_errors(&self) -> bool {
+        self.constraints.iter().any(Constraint::has_changed)
+    }
+
     /// Called if the last step is rejected: the next step has the same start, and its initial guess follows
     /// from the rejected one.
     pub fn refuse(&mut self) {
@@ -206,6 +211,10 @@ impl<T: Float> Core<T> {
             *start = T::int(0);
         }
         self.start.fill(T::NAN);
+        self.constraints.iter_mut().for_each(Constraint::fail);
+        if let Some(solver) = &mut self.alpha_solver {
+            solver.handed_on = solver.handed_on_before;
+        }
     }
 
     /// The initial guess of the next step follows only from these L, stage by stage, of a step of size `h`

@@ -205,7 +205,8 @@ def solve(
         Quantities f(q, p) to monitor, by name; f(t, q, p) if H depends on time. The certificate has their
         errors.
     preserve
-        Further quantities f(q, p) by name, conserved like the energy; for quantities that are not quadratic.
+        Further quantities f(q, p) by name, conserved like the energy. Quadratic ones are conserved anyway and
+        only measured. The others must be independent of each other, of H and of the quadratic ones.
         `Solution.message` names those that were not conserved.
     record
         k: the solution has every k-th step; "ends": only the first and the last state.

@@ -35,7 +35,7 @@ fn stages_out_of_range() {
         says(
             &text,
             &[
-                "takes",
+                "accepts",
                 &format!("{fewest} to {max}"),
                 "change the argument of `stages`",
             ],

@@ -114,12 +114,6 @@ impl Control {
         }
     }
 
-    /// The longest step that the tolerance and the contraction allow, relative to the step of this estimate.
-    pub(crate) fn room(&self, estimate: &Estimate, contraction: Option<f64>) -> f64 {
-        let ratio = self.ratio(estimate);
-        ratio.min(Self::cheapest(ratio, contraction))
-    }
-
     /// (tol / e)^{1/(2s)}.
     fn ratio(&self, estimate: &Estimate) -> f64 {
         self.wanted / estimate.decay

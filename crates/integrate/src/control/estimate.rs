@@ -299,14 +299,16 @@ impl<T: Float> Decay<T> {
         sizes.fold(0.0, |most, (&x, &unit)| most.max((x * unit).abs().to_f64()))
     }
 
-    /// The error of component c of the last step, relative to its admissible error. Zero for components that
-    /// are not estimated.
-    pub(crate) fn in_tolerances(&self, c: usize, error: T) -> f64 {
-        let is_judged = c % (self.units.len() / 2) < self.m;
-        if !is_judged || error == T::int(0) {
+    /// The part of this `error` of component c of the last step, of size `h`, that the `rounding` of ∇H does
+    /// not explain, relative to the admissible error. Zero for components that are not estimated.
+    pub(crate) fn in_tolerances(&self, c: usize, error: T, (h, rounding): (T, &[T])) -> f64 {
+        let half = self.units.len() / 2;
+        let of_force = rounding[(c + half) % (2 * half)];
+        let beyond = error.abs() - T::int(ROUNDING) * h.abs() * of_force;
+        if c % half >= self.m || beyond <= T::int(0) {
             return 0.0;
         }
-        (error / self.allowed(c)).to_f64().abs()
+        (beyond / self.allowed(c)).to_f64()
     }
 
     /// The admissible error of component c in the last step.

@@ -191,19 +191,20 @@ impl<T: Float> Crossings<T> {
     }
 
     /// Whether the effect of discontinuities on the last step examined exceeds its tolerance. The step has
-    /// the size `h`, its first two roots are `roots`, and `decay` holds its estimate with ϱ.
+    /// the size `h`, its first two roots are `roots`, and `decay` holds its estimate with ϱ and the rounding
+    /// of ∇H.
     pub(crate) fn is_rough(
         &mut self,
         core: &mut Core<T>,
         (h, roots): (T, [T; 2]),
-        decay: (&Decay<T>, f64),
+        decay: (&Decay<T>, f64, &[T]),
     ) -> bool {
         let Crossings {
             roughness, path, ..
         } = self;
         // NaN counts as rough.
         !(roughness.of_step(core, path, (h, roots), decay) <= 1.0)
-            || !(roughness.between_pairs(core, path, h, decay.0) <= 1.0)
+            || !(roughness.between_pairs(core, path, h, (decay.0, decay.2)) <= 1.0)
     }
 
     /// Whether a step is to be halved before it is shortened to end on a switch. This holds if H has tables,

@@ -47,13 +47,14 @@ impl<T: Float> Roughness<T> {
     }
 
     /// The largest ϱ^k (γ̃_k − γ_k) for a step of size `h` along `path`, with discontinuities at two roots
-    /// and ϱ = `rho`, relative to the admissible errors of `decay`.
+    /// and ϱ = `rho`, relative to the admissible errors of `decay`. Differences within the `rounding` of ∇H
+    /// do not count.
     pub(crate) fn of_step(
         &mut self,
         core: &mut Core<T>,
         path: &mut Path<T>,
         (h, [first, second]): (T, [T; 2]),
-        (decay, rho): (&Decay<T>, f64),
+        (decay, rho, rounding): (&Decay<T>, f64, &[T]),
     ) -> f64 {
         self.coefficients.fill(T::int(0));
         let pieces = [
@@ -73,7 +74,8 @@ impl<T: Float> Roughness<T> {
         for (c, sums) in self.coefficients.chunks_exact(COMPARED).enumerate() {
             let mut share = 1.0;
             for (k, &sum) in sums.iter().enumerate().take(compared) {
-                let defect = decay.in_tolerances(c, sum - path.coefficient(k, c));
+                let error = sum - path.coefficient(k, c);
+                let defect = decay.in_tolerances(c, error, (h, rounding));
                 most = most.max(share * defect);
                 share *= rho.min(1.0);
             }
@@ -89,7 +91,7 @@ impl<T: Float> Roughness<T> {
         core: &mut Core<T>,
         path: &mut Path<T>,
         h: T,
-        decay: &Decay<T>,
+        (decay, rounding): (&Decay<T>, &[T]),
     ) -> f64 {
         let mut most = 0.0_f64;
         for pair in 0..path.pairs.len() {
@@ -103,7 +105,9 @@ impl<T: Float> Roughness<T> {
                     let terms = self.values.iter().enumerate();
                     let known =
                         terms.fold(T::int(0), |sum, (k, &p)| sum + p * path.coefficient(k, c));
-                    let defect = decay.in_tolerances(c, (second - first) * (h * f - known));
+                    let length = second - first;
+                    let error = length * (h * f - known);
+                    let defect = decay.in_tolerances(c, error, (length * h, rounding));
                     most = if defect <= most { most } else { defect };
                 }
             }

@@ -118,9 +118,10 @@ impl<T: Float> Integrator<T> {
     }
 
     /// A further invariant to be *conserved* like the energy, by the same α_k: one more equation for the α_k.
-    /// Intended for invariants that are not quadratic, since quadratic ones are conserved anyway. Requires a
-    /// method that solves for the α_k, with at least as many parameters as equations: s − 1 ≥ 1 + the number
-    /// of such invariants. If H depends on time, the invariant must be traced [with
+    /// Quadratic invariants are conserved anyway, and are only measured. The others must be independent of
+    /// each other, of H and of the quadratic invariants: no α conserves two that depend on each other.
+    /// Requires a method that solves for the α_k, with at least as many parameters as equations: s − 1 ≥ 1 +
+    /// the number of such invariants. If H depends on time, the invariant must be traced [with
     /// time](equip_autodiff::Hamiltonian::with_time) as well.
     #[must_use]
     pub fn preserve(mut self, invariant: Invariant) -> Self {

@@ -40,10 +40,13 @@ impl<T: Float> Integration<T> {
         if has_target {
             constraints.push(Constraint::energy(2 * all));
         }
-        constraints.extend(options.kept.iter().map(|kept| {
+        for kept in &options.kept {
             let alone = Invariant::new(kept.name(), kept.function().alone());
-            Constraint::invariant(&alone, 2 * all)
-        }));
+            // Every method of the family conserves quadratic invariants, and no α changes them.
+            if !(alone.is_quadratic() && system.is_canonical()) {
+                constraints.push(Constraint::invariant(&alone, 2 * all));
+            }
+        }
         let free = settings.first_alpha.map_or(0, |first| stages - first);
         if constraints.len() > free {
             let (kept, alphas) = (constraints.len(), free);

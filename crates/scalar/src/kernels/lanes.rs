@@ -1,9 +1,9 @@
 //! [`Lanes`]: N numbers that undergo the same operations.
 //!
-//! All operations apply the functions of the number lane by lane, so each lane has the bits of a computation with
-//! that number alone. With doubles, arithmetic, √, |x|, min, max and the selections of [`Scalar`] become vector
-//! instructions inside a [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin` over 8
-//! lanes: 68 ns).
+//! All operations apply the functions of the number lane by lane, so each lane has the bits of a computation
+//! with that number alone. With doubles, arithmetic, √, |x|, min, max and the selections of [`Scalar`] become
+//! vector instructions inside a [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin`
+//! over 8 lanes: 68 ns).
 
 use crate::constant::Constant;
 use crate::traits::half_power::{by_squares, half_power, half_power_derivative};

@@ -28,6 +28,8 @@ pub struct Constraint<T: Float> {
     /// g at the end and at the start of the step.
     pub(crate) residual: T,
     pub(crate) start_error: T,
+    /// The change of g by the last accepted step.
+    change: T,
     /// The round-off level at the end of the step, and the largest recent level.
     pub(crate) round_off: T,
     pub(crate) late: T,
@@ -47,6 +49,7 @@ impl<T: Float> Constraint<T> {
             reference: zero,
             residual: zero,
             start_error: zero,
+            change: zero,
             round_off: zero,
             late: zero,
             late_before: zero,
@@ -114,7 +117,7 @@ impl<T: Float> Constraint<T> {
         self.late_before = self.late;
     }
 
-    /// Called if the step has failed, perhaps after a part of it was accepted.
+    /// Called if the step has failed, perhaps after a part of it was accepted, or is rejected.
     pub(crate) fn fail(&mut self) {
         self.late = self.late_before;
     }
@@ -129,6 +132,7 @@ impl<T: Float> Constraint<T> {
             self.late
         };
         self.late = late.max(self.round_off);
+        self.change = (self.residual - self.start_error).abs();
         self.start_error = self.residual;
         self.start_gradient.copy_from_slice(&self.gradient);
     }
@@ -136,6 +140,11 @@ impl<T: Float> Constraint<T> {
     /// Whether g is round-off.
     pub(crate) fn is_at_round_off(&self) -> bool {
         self.residual.abs() <= self.round_off.max(self.late)
+    }
+
+    /// Whether the last accepted step has changed g by more than its round-off level.
+    pub(crate) fn has_changed(&self) -> bool {
+        self.change > self.round_off
     }
 
     /// The noise of y1, relative to `sizes`, that would change I by |g|.

@@ -84,7 +84,8 @@ impl Full {
             *unit = scale.to_f64();
         }
         self.is_factored = [false; 2];
-        for (i, to) in self.hessians.chunks_exact_mut(entries.len()).enumerate() {
+        let count = entries.len();
+        for i in 0..self.rows.s {
             for (c, x) in state.iter_mut().enumerate() {
                 // For T(p) + U(q) with quadratic T, the momenta do not enter ∇²U.
                 *x = if c < self.rows.n {
@@ -94,9 +95,8 @@ impl Full {
                 };
             }
             energy.hessian(state, entries);
-            to.iter_mut()
-                .zip(&*entries)
-                .for_each(|(to, x)| *to = x.to_f64());
+            let to = self.hessians[i * count..][..count].iter_mut();
+            to.zip(&*entries).for_each(|(to, x)| *to = x.to_f64());
         }
         self.factor(Held::Start)
     }

@@ -62,6 +62,8 @@ pub(crate) struct AlphaSolver<T: Float> {
     pub(crate) unperturbed: State<T>,
     /// The bound on the change of y1 handed on by earlier steps.
     pub(crate) handed_on: [T; 2],
+    /// The same at the start of the last step.
+    pub(crate) handed_on_before: [T; 2],
 }
 
 impl<T: Float> AlphaSolver<T> {
@@ -79,6 +81,7 @@ impl<T: Float> AlphaSolver<T> {
             kept: Kept::new(iterate),
             unperturbed: State::new(&vec![T::int(0); iterate.components()], &[]),
             handed_on: [T::int(0); 2],
+            handed_on_before: [T::int(0); 2],
         }
     }
 }

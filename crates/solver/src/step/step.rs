@@ -22,6 +22,9 @@ impl<T: Float> Core<T> {
         self.parts.clear();
         self.stages.choice.begin_step();
         self.constraints.iter_mut().for_each(Constraint::begin_step);
+        if let Some(solver) = &mut self.alpha_solver {
+            solver.handed_on_before = solver.handed_on;
+        }
         let made = self.step_at_level(0, (y, t, h), next);
         match made {
             Ok(_) => self.stages.choice.end_step(),

@@ -4,14 +4,14 @@
 //! state. The stages of a rejected step are the initial guess of the next attempt. Time is summed with
 //! compensation.
 //!
-//! If a step would begin a series of uncorrected steps, it is repeated with half the size, and so on until it
-//! is short for its tolerance; the next step is not longer (docs/adr/0035).
+//! If a step would begin a series of uncorrected steps, it is repeated with half the size, down to a small
+//! part of the proposed size; the next step is not longer (docs/adr/0035).
 //!
 //! A step that crosses a switch of H (a discontinuity of H or of a derivative) is replaced by a shorter one
 //! that ends on the switch ([`super::over_switches`]).
 
 use crate::control::controller::{Control, Judgement};
-use crate::control::estimate::{Decay, Estimate};
+use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::control::flow::Flow;
 use crate::control::policy::{MOST_TRIES, PART};
@@ -72,6 +72,8 @@ impl<T: Float> AdaptiveSteps<T> {
         let (mut proposed, mut longest) = (size, f64::INFINITY);
         let (mut cause, mut is_retried) = (None, false);
         let was_corrected = !run.last.1.is_uncorrected();
+        let possible = self.min_step.max(shortest_at(run.time)).to_f64();
+        let shortest = (size / PART as f64).max(2.0 * possible);
         if let Some(crossings) = &mut self.crossings {
             crossings.begin_step();
         }
@@ -99,11 +101,12 @@ impl<T: Float> AdaptiveSteps<T> {
                     longest = size;
                     self.stop_aiming();
                 }
-                Ok(Made::Step(outcome, estimate, EndIs::Smooth))
+                Ok(Made::Step(outcome, _, EndIs::Smooth))
                     if was_corrected
                         && may_be_corrected(outcome)
-                        && !place.cut
-                        && !self.is_short(run, h, &estimate) =>
+                        && run.core.has_made_errors()
+                        && h > shortest
+                        && !place.cut =>
                 {
                     self.tries = None;
                     run.core.refuse();
@@ -160,14 +163,6 @@ impl<T: Float> AdaptiveSteps<T> {
                 }
             }
         }
-    }
-
-    /// Whether the last step, of size `h`, is a small part of the longest one that the tolerance and the
-    /// iteration allow, or no shorter one is possible.
-    fn is_short(&self, run: &Integration<T>, h: f64, estimate: &Estimate) -> bool {
-        let room = self.control.room(estimate, run.core.contraction());
-        let least = self.min_step.max(shortest_at(run.time));
-        room > PART as f64 || T::exact(self.control.shorter(h)) < least
     }
 
     /// The error if no step of this `size` is possible.

@@ -156,9 +156,7 @@ impl<T: Float> StepControl<T> for FixedSteps<T> {
             run.time = t;
             return Ok(false);
         }
-        let is_last = next == grid.last();
-        let time = if is_last { t } else { grid.time(next) };
-        self.make(run, time, grid.size(next))?;
+        self.make(run, grid.time(next), grid.size(next))?;
         Ok(true)
     }
 

@@ -59,8 +59,9 @@ impl<T: Float> Grid<T> {
         self.whole + i64::from(self.rest)
     }
 
+    /// The time at `place`; the last one is the end of the run to the last bit.
     pub(crate) fn time(&self, place: i64) -> T {
-        if place > self.whole {
+        if place >= self.last() {
             self.t1
         } else {
             self.t0 + T::int(place) * self.h

@@ -82,7 +82,10 @@ impl<T: Float> AdaptiveSteps<T> {
     /// `roots` are the first two.
     fn is_rough(&mut self, run: &mut Integration<T>, h: T, roots: [T; 2]) -> bool {
         let rho = self.estimate(run, h, false).decay;
-        let (core, decay) = (&mut run.core, (&self.decay, rho));
+        let Integration { core, next, .. } = run;
+        let (rounding, room) = (&mut self.gradient_rounding, &mut self.products);
+        take_rounding(core, (&next.hi, h), rounding, room);
+        let decay = (&self.decay, rho, &rounding[..]);
         let crossings = self.crossings.as_mut();
         crossings.is_some_and(|crossings| crossings.is_rough(core, (h, roots), decay))
     }
