@@ -181,7 +181,7 @@ def test_further_quantities_are_kept(kepler):
     assert defect(invariants={"cubic": cubic}) > 1e-12 and defect(preserve={"cubic": cubic}) < 1e-13
     with pytest.raises(ValueError, match="2 quantities to conserve, but only 1 free"):
         equip.solve(
-            kepler, *START, (0, 10), step=0.1, method=equip.Equip(2), preserve={"p": lambda q, p: p[0]}
+            kepler, *START, (0, 10), step=0.1, method=equip.Equip(2), preserve={"p³": lambda q, p: p[0] ** 3}
         )
 
 
@@ -256,7 +256,7 @@ def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, "`tolerance` is 1; it must be between", tolerance=1.0)
     fails(kepler, "must be finite", *START, (0, np.inf))
     fails(kepler, r"initial value p0\[1\] is inf; it must be finite", [1, 0], [0, np.inf], (0, 1))
-    fails(kepler, "not finite .H = -inf.; start elsewhere", [0, 0], [0, 1], (0, 1))
+    fails(kepler, "not finite .H = -inf.; change the initial state", [0, 0], [0, 1], (0, 1))
     fails(kepler, r"q0 has shape \(3,\), but this Hamiltonian needs \(2,\)", [1, 2, 3], [0, 1], (0, 1))
     fails(kepler, "q0 is complex; it must be real", [1j, 0], [0, 1], (0, 1))
     fails(kepler, "q0: .*is not a number", [None, 0], [0, 1], (0, 1))

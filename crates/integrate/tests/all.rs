@@ -14,6 +14,7 @@ mod ensemble;
 mod events;
 mod events_together;
 mod extended;
+mod fast_drive;
 mod force_rounding;
 mod gradients;
 mod memory;

@@ -56,7 +56,7 @@ def one_number(found: Any, name: str, arguments: str) -> Any:
     try:
         _native.split(found)
     except TypeError as error:
-        if "is no number" not in str(error):
+        if "is not a number" not in str(error):
             raise
         made_of = " and ".join(arguments.rsplit(", ", 1))
         raise TypeError(

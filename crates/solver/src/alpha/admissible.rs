@@ -9,7 +9,7 @@
 //!
 //! A change of a component is measured in two units: the change of this component over the step, and the
 //! largest change of a component in its group (positions, momenta). In both units it must be at most
-//! 1/[`SMALL`].
+//! 1/[`SMALL`]. Time and its momentum do not count.
 
 use crate::policy::{FADING, FARTHEST, SMALL};
 use equip_scalar::Float;

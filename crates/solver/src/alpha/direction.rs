@@ -44,6 +44,10 @@ pub(crate) struct Direction<T: Float> {
     /// The change of each component over the step with α = 0, and the largest such change in its group
     /// (positions, momenta).
     pub(crate) motion: [Vec<T>; 2],
+    /// The same, but zero where the unit is infinite.
+    pub(crate) sizes: [Vec<T>; 2],
+    /// Whether the last position is time.
+    has_time: bool,
     /// 1 over the change of each component.
     pub(crate) weights: Vec<T>,
     /// u_k and u'_k, and both weighted and concatenated.
@@ -74,6 +78,7 @@ impl<T: Float> Direction<T> {
         iterate: &Iterate<T>,
         pattern: &Pattern,
         (first, constraints): (usize, usize),
+        has_time: bool,
     ) -> Self {
         let (s, n, stride) = (iterate.stages(), iterate.components(), iterate.stride());
         let free = (s - first).min(LEADING.max(constraints));
@@ -99,6 +104,8 @@ impl<T: Float> Direction<T> {
             x: zeros(n * free * stride),
             back: zeros(n * free * stride),
             motion: [zeros(n), zeros(n)],
+            sizes: [zeros(n), zeros(n)],
+            has_time,
             weights: zeros(n),
             ends: vec![zeros(n); free],
             starts: vec![zeros(n); free],
@@ -117,7 +124,8 @@ impl<T: Float> Direction<T> {
     }
 
     /// Measures the change of each component over the step with α = 0 from `y` to `next`, at least √ε of its
-    /// size. This change is the unit of displacements.
+    /// size. This change is the unit of displacements. The unit of time and its momentum is infinite: they
+    /// only record the work of the drive, and their local error is no reason to change q and p.
     pub(crate) fn begin(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
         let rows = iterate.points().chunks_exact(self.stride);
         let ends = y.hi.iter().zip(&next.hi);
@@ -137,8 +145,18 @@ impl<T: Float> Direction<T> {
             };
         }
         let m = self.n / 2;
+        let bounded = m - usize::from(self.has_time);
         for (group, own) in group.chunks_exact_mut(m).zip(own.chunks_exact(m)) {
-            group.fill(own.iter().fold(T::int(0), |most, &x| most.max(x)));
+            let most = own[..bounded].iter();
+            group.fill(most.fold(T::int(0), |most, &x| most.max(x)));
+        }
+        for (sizes, units) in self.sizes.iter_mut().zip(&mut self.motion) {
+            sizes.copy_from_slice(units);
+            for half in [0, m] {
+                sizes[half + bounded..half + m].fill(T::int(0));
+                units[half + bounded..half + m].fill(T::INFINITY);
+                self.weights[half + bounded..half + m].fill(T::int(0));
+            }
         }
     }
 

@@ -154,7 +154,7 @@ impl<T: Float> Core<T> {
                 .iter()
                 .fold(T::int(0), |most, c| most.max(worth(c)))
         };
-        let units = direction.motion.each_ref();
+        let units = direction.sizes.each_ref();
         let needed = units.map(|units| least(units, |c| c.residual));
         let own = units.map(|units| least(units, |c| c.residual - c.start_error));
         let is_free = self.options.reach == Reach::Always;

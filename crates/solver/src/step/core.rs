@@ -7,7 +7,7 @@ use crate::options::step_options::StepOptions;
 use crate::outcome::outcome::{Counts, Outcome};
 use crate::outcome::parts::Parts;
 use crate::step::stages::Stages;
-use equip_autodiff::{Evaluator, Hamiltonian, Structure};
+use equip_autodiff::{Evaluator, Hamiltonian};
 use equip_iterate::{Kept, State};
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
@@ -70,13 +70,14 @@ impl<T: Float> AlphaSolver<T> {
     /// For the parameters from α_`first` on, counted from 1, and these constraints.
     pub(crate) fn new(
         stages: &Stages<T>,
-        structure: &Structure,
+        system: &Hamiltonian,
         (first, constraints): (usize, &[Constraint<T>]),
     ) -> Self {
         let (method, iterate) = (&stages.method, &stages.iterate);
         let of = (first, constraints.len());
+        let pattern = &system.structure().hessian;
         AlphaSolver {
-            direction: Direction::new(method, iterate, &structure.hessian, of),
+            direction: Direction::new(method, iterate, pattern, of, system.has_time()),
             local_error: LocalError::new(method, iterate),
             kept: Kept::new(iterate),
             unperturbed: State::new(&vec![T::int(0); iterate.components()], &[]),
@@ -110,7 +111,7 @@ impl<T: Float> Core<T> {
         }
         let alpha_solver = free.map(|first| {
             let of = (first, constraints.as_slice());
-            Box::new(AlphaSolver::new(&stages, structure, of))
+            Box::new(AlphaSolver::new(&stages, system, of))
         });
         let zero = State::new(&vec![T::int(0); n], &[]);
         Core {
