@@ -105,8 +105,8 @@ class Certificate:
     """
 
     #: The verdict, the first line: "yes, on every step", "NO: " with the reason, "not requested" (for example
-    #: Gauss) with the largest error, or "no step was made". `energy_conserved_on_every_step` is the verdict as
-    #: a boolean, true if there is no step.
+    #: Gauss) with the largest error, or "no step was made". `energy_conserved_on_every_step` is the verdict
+    #: as a boolean, true if there is no step.
     energy_conserved_to_round_off: str
     method: str
     #: "f64" or "dd".
