@@ -211,7 +211,7 @@ impl<T: Float> Core<T> {
             *start = T::int(0);
         }
         self.start.fill(T::NAN);
-        self.constraints.iter_mut().for_each(Constraint::fail);
+        self.constraints.iter_mut().for_each(Constraint::restore);
         if let Some(solver) = &mut self.alpha_solver {
             solver.handed_on = solver.handed_on_before;
         }

@@ -56,7 +56,8 @@ class VariableSteps:
     #: Step sizes, in the unit of time.
     smallest: float
     largest: float
-    #: Steps rejected for their error estimate, and steps whose iteration for the stages failed.
+    #: Attempts rejected for their error estimate, and attempts for which no stages or no admissible α were
+    #: found.
     rejected: int
     failed: int
 

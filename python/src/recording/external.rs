@@ -17,8 +17,8 @@ impl Raised {
         first.get_or_insert(error);
     }
 
-    /// What `work` makes, or that exception: what a run says then is its consequence. What an earlier call has
-    /// left is forgotten.
+    /// The result of `work`, or the exception of Python, of which an error of the run is a consequence. An
+    /// exception of an earlier call is forgotten.
     pub(crate) fn or<R>(&self, work: impl FnOnce() -> PyResult<R>) -> PyResult<R> {
         let take = || self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
         take();

@@ -42,10 +42,8 @@ pub(crate) struct Direction<T: Float> {
     x: Vec<T>,
     back: Vec<T>,
     /// The change of each component over the step with α = 0, and the largest such change in its group
-    /// (positions, momenta).
+    /// (positions, momenta). Zero for time and its momentum.
     pub(crate) motion: [Vec<T>; 2],
-    /// The same, but zero where the unit is infinite.
-    pub(crate) sizes: [Vec<T>; 2],
     /// Whether the last position is time.
     has_time: bool,
     /// 1 over the change of each component.
@@ -104,7 +102,6 @@ impl<T: Float> Direction<T> {
             x: zeros(n * free * stride),
             back: zeros(n * free * stride),
             motion: [zeros(n), zeros(n)],
-            sizes: [zeros(n), zeros(n)],
             has_time,
             weights: zeros(n),
             ends: vec![zeros(n); free],
@@ -124,19 +121,22 @@ impl<T: Float> Direction<T> {
     }
 
     /// Measures the change of each component over the step with α = 0 from `y` to `next`, at least √ε of its
-    /// size. This change is the unit of displacements. The unit of time and its momentum is infinite: they
-    /// only record the work of the drive, and their local error is no reason to change q and p.
+    /// size. This change is the unit of displacements.
     pub(crate) fn begin(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
+        let (root, bounded) = (T::EPSILON.sqrt(), self.bounded());
+        let m = self.n / 2;
         let rows = iterate.points().chunks_exact(self.stride);
         let ends = y.hi.iter().zip(&next.hi);
-        let root = T::EPSILON.sqrt();
         let [own, group] = &mut self.motion;
         for (c, (row, (&from, &to))) in rows.zip(ends).enumerate() {
             let (mut least, mut most) = (from.min(to), from.max(to));
             for &x in &row[..self.s] {
                 (least, most) = (least.min(x), most.max(x));
             }
-            own[c] = (most - least) + root * least.abs().max(most.abs());
+            own[c] = T::int(0);
+            if c % m < bounded {
+                own[c] = (most - least) + root * least.abs().max(most.abs());
+            }
             let inverse = T::int(1) / own[c];
             self.weights[c] = if inverse.is_finite() {
                 inverse
@@ -144,20 +144,29 @@ impl<T: Float> Direction<T> {
                 T::int(0)
             };
         }
-        let m = self.n / 2;
-        let bounded = m - usize::from(self.has_time);
         for (group, own) in group.chunks_exact_mut(m).zip(own.chunks_exact(m)) {
-            let most = own[..bounded].iter();
-            group.fill(most.fold(T::int(0), |most, &x| most.max(x)));
+            let most = own.iter().fold(T::int(0), |most, &x| most.max(x));
+            group[..bounded].fill(most);
         }
-        for (sizes, units) in self.sizes.iter_mut().zip(&mut self.motion) {
-            sizes.copy_from_slice(units);
-            for half in [0, m] {
-                sizes[half + bounded..half + m].fill(T::int(0));
-                units[half + bounded..half + m].fill(T::INFINITY);
-                self.weights[half + bounded..half + m].fill(T::int(0));
+    }
+
+    /// The largest change of a component in each of the units, for these changes of all components.
+    pub(crate) fn in_units(&self, changes: impl Iterator<Item = T>) -> [T; 2] {
+        let (m, bounded) = (self.n / 2, self.bounded());
+        let mut largest = [T::int(0); 2];
+        let counts = |&(c, change): &(usize, T)| c % m < bounded && change != T::int(0);
+        for (c, change) in changes.enumerate().filter(counts) {
+            for (largest, units) in largest.iter_mut().zip(&self.motion) {
+                *largest = largest.max(change / units[c]);
             }
         }
+        largest
+    }
+
+    /// The number of positions, and of momenta, whose change is bounded. Time and its momentum only record
+    /// the work of the drive: their local error is no reason to change q and p.
+    fn bounded(&self) -> usize {
+        self.n / 2 - usize::from(self.has_time)
     }
 
     /// The largest |y_c| in units of the change of component c.

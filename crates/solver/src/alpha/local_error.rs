@@ -135,13 +135,11 @@ impl<T: Float> LocalError<T> {
             .fine
             .chunks_exact(stride)
             .zip(self.coarse.chunks_exact(stride));
-        let mut largest = [T::int(0); 2];
-        for (c, ((fine, coarse), &response)) in both.zip(direction.linear.sums()).enumerate() {
-            let e = (sum(&fine[..finer]) - sum(&coarse[..s]) + response).abs();
-            for (largest, units) in largest.iter_mut().zip(&direction.motion) {
-                *largest = largest.max(e / units[c]);
-            }
-        }
+        let sums = both.zip(direction.linear.sums());
+        let errors = sums.map(|((fine, coarse), &response)| {
+            (sum(&fine[..finer]) - sum(&coarse[..s]) + response).abs()
+        });
+        let largest = direction.in_units(errors);
         largest.iter().all(|x| x.is_finite()).then_some(largest)
     }
 }

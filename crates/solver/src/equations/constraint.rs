@@ -118,7 +118,7 @@ impl<T: Float> Constraint<T> {
     }
 
     /// Called if the step has failed, perhaps after a part of it was accepted, or is rejected.
-    pub(crate) fn fail(&mut self) {
+    pub(crate) fn restore(&mut self) {
         self.late = self.late_before;
     }
 

@@ -1,5 +1,6 @@
 //! A reference solution of system (7) for one step, with the energy as the only constraint: plain loops, full
-//! Newton for Z, and the secant method for t around it. Every path of this crate must find this solution.
+//! Newton for Z, and the secant method for t around it. Every path of this crate must find this solution. H
+//! does not depend on time.
 //!
 //! With Z_i = Y_i − y0 and L_i = h b_i J∇H(Y_i), the unknowns are Z and α:
 //!

@@ -154,7 +154,7 @@ impl<T: Float> Core<T> {
                 .iter()
                 .fold(T::int(0), |most, c| most.max(worth(c)))
         };
-        let units = direction.sizes.each_ref();
+        let units = direction.motion.each_ref();
         let needed = units.map(|units| least(units, |c| c.residual));
         let own = units.map(|units| least(units, |c| c.residual - c.start_error));
         let is_free = self.options.reach == Reach::Always;
@@ -284,16 +284,16 @@ impl<T: Float> Core<T> {
         bounds: &mut Bounds<T>,
     ) -> Result<(), Outcome> {
         let rounding = T::int(FARTHEST * STATE_ROUNDING) * T::EPSILON;
-        let mut change = [T::int(0); 2];
         let ends = next.hi.iter().zip(&solver.unperturbed.hi);
-        for (c, (&end, &before)) in ends.enumerate() {
+        let moved = ends.map(|(&end, &before)| {
             let moved = (end - before).abs();
             if moved > rounding * end.abs() {
-                for (change, units) in change.iter_mut().zip(&solver.direction.motion) {
-                    *change = change.max(moved / units[c]);
-                }
+                moved
+            } else {
+                T::int(0)
             }
-        }
+        });
+        let change = solver.direction.in_units(moved);
         if self.is_admissible(solver, step, bounds, change) {
             Ok(())
         } else {

@@ -29,7 +29,7 @@ impl<T: Float> Core<T> {
         match made {
             Ok(_) => self.stages.choice.end_step(),
             Err(_) => {
-                self.constraints.iter_mut().for_each(Constraint::fail);
+                self.constraints.iter_mut().for_each(Constraint::restore);
                 self.forget_step();
             }
         }
