@@ -100,6 +100,18 @@ pub enum BuildError {
         accuracy: f64,
     },
 
+    /// A mass of an external potential has no finite inverse.
+    #[error(
+        "mass {component} is {mass:e}; give one finite mass, not 0, for each component of q, in units in which \
+         1/m is finite too"
+    )]
+    Mass {
+        /// The component, counted from 0.
+        component: usize,
+        /// The mass given.
+        mass: f64,
+    },
+
     /// The supplied gradient is not the gradient of the energy.
     #[error(
         "component {component} of the supplied gradient is {given:e}, but that of the energy is {expected:e} \

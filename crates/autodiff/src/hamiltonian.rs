@@ -250,13 +250,50 @@ impl Hamiltonian {
         gradient: impl Fn(&[f64], &[f64], &mut [f64], &mut [f64]) + Send + Sync + 'static,
     ) -> Result<Self, BuildError> {
         let gradient = GivenGradient(Arc::new(gradient));
-        Ok(Hamiltonian {
-            energy: Energy::External(External::new(m, accuracy, Arc::new(value), gradient)?),
+        External::new(m, accuracy, Arc::new(value), gradient).map(Self::of_external)
+    }
+
+    /// The energy Σ_c p_c²/(2 m_c) + U(q) with a potential U computed by user code, in doubles: a force
+    /// field, a learned potential. `masses` has one mass for each of the m components of q, `value(q)` is U,
+    /// and `gradient(q, dq)` writes ∂U/∂q to `dq`; slices have length m. `accuracy` is as in
+    /// [`external`](Self::external).
+    ///
+    /// Since the kinetic energy is known, the iteration takes half as many gradients as with `external`, and
+    /// ∇²H takes n of them in place of 2n.
+    ///
+    /// # Errors
+    /// Those of [`external`](Self::external); [`BuildError::Mass`] if a mass or its inverse is 0, infinite or
+    /// not a number.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// let pendulum = Hamiltonian::external_potential(
+    ///     &[2.0],
+    ///     f64::EPSILON,
+    ///     |q| -q[0].cos(),
+    ///     |q, dq| dq[0] = q[0].sin(),
+    /// )?;
+    /// assert_eq!(pendulum.evaluator().value(&[0.0, 1.0]), -0.75);
+    /// assert!(pendulum.structure().separable);
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn external_potential(
+        masses: &[f64],
+        accuracy: f64,
+        value: impl Fn(&[f64]) -> f64 + Send + Sync + 'static,
+        gradient: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> Result<Self, BuildError> {
+        External::of_potential(masses, accuracy, value, gradient).map(Self::of_external)
+    }
+
+    fn of_external(external: External) -> Self {
+        Hamiltonian {
+            components: 2 * external.structure.degrees_of_freedom,
+            energy: Energy::External(external),
             gradient: None,
             alone: None,
             bracket: None,
-            components: 2 * m,
-        })
+        }
     }
 
     /// The same energy with a user-supplied gradient, which replaces automatic differentiation if the float

@@ -14,6 +14,7 @@ mod half_powers;
 mod lanes;
 mod long_sums;
 mod operations;
+mod potential;
 mod random;
 mod refused;
 mod routes;

@@ -1,5 +1,6 @@
-//! An external energy: other code computes value and gradient, here of a Morse potential. Prefer a closure if
-//! possible: the library then differentiates H automatically.
+//! An external potential: other code computes value and gradient, here of a Morse potential. Prefer a closure
+//! if possible: the library then differentiates H automatically. If other code computes the whole of H, use
+//! `Hamiltonian::external`.
 
 use equip::prelude::*;
 
@@ -18,14 +19,13 @@ fn morse(r: f64) -> (f64, f64) {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let radius = |q: &[f64]| q[0].hypot(q[1]);
-    let molecule = Hamiltonian::external(
-        2,
+    let molecule = Hamiltonian::external_potential(
+        &[1.0, 1.0],
         4.0 * f64::EPSILON,
-        move |q, p| 0.5 * (p[0] * p[0] + p[1] * p[1]) + morse(radius(q)).0,
-        move |q, p, dq, dp| {
+        move |q| morse(radius(q)).0,
+        move |q, dq| {
             let pull = morse(radius(q)).1 / radius(q);
             (dq[0], dq[1]) = (pull * q[0], pull * q[1]);
-            dp.copy_from_slice(p);
         },
     )?;
     let angular_momentum = Hamiltonian::new(2, |q, p| q[0] * p[1] - q[1] * p[0])?;

@@ -9,7 +9,7 @@ from typing import Any, Union
 
 import numpy as np
 
-from . import _arrays, _native, _recording
+from . import _arrays, _external, _native, _recording
 from ._numbers import Floats, Shape, refuse_masked, refuse_units, shape_of
 
 Function = Callable[..., Any]
@@ -50,7 +50,7 @@ class Hamiltonian:
     -0.375
     """
 
-    #: Value, gradient and accuracy of an external energy.
+    #: The constructor of an external energy, and its arguments.
     _external: Any = None
 
     def __init__(self, function: Function, shape: Union[int, Shape]) -> None:
@@ -131,32 +131,54 @@ class Hamiltonian:
         -0.5
         """
         axes = shape_of(shape)
-        for name, function in (("value", value), ("gradient", gradient)):
-            if not callable(function):
-                raise TypeError(f"{name} is {function!r}; it must be a function of q and p")
-            _recording.check_arguments(function, name, "q, p")
+        h = of_recording(_external.external(value, gradient, axes, float(accuracy)), axes)
+        h._external = "external", (value, gradient, axes, float(accuracy))
+        return h
 
-        def number(q: Floats, p: Floats) -> float:
-            found = np.asarray(value(q.reshape(axes), p.reshape(axes)), dtype=float)
-            if found.size != 1:
-                raise TypeError(f"value(q, p) must return one number; it returned shape {found.shape}")
-            return float(found.item())
+    @classmethod
+    def external_potential(
+        cls,
+        value: Callable[[Floats], float],
+        gradient: Callable[[Floats], Any],
+        shape: Union[int, Shape],
+        masses: Any = 1.0,
+        accuracy: float = 2.0**-50,
+    ) -> Hamiltonian:
+        """The energy sum(p² / (2 masses)) + U(q) with a potential U that other code computes: a force field,
+        a learned potential.
 
-        def slopes(q: Floats, p: Floats) -> Floats:
-            found = gradient(q.reshape(axes), p.reshape(axes))
-            if not isinstance(found, (tuple, list)) or len(found) != 2:
-                raise TypeError("gradient(q, p) must return two arrays, those of ∂H/∂q and of ∂H/∂p")
-            parts = [np.asarray(part, dtype=float) for part in found]
-            for part in parts:
-                if part.shape != axes:
-                    raise TypeError(
-                        f"gradient(q, p) returned an array of shape {part.shape}; it must be {axes}"
-                    )
-            return np.concatenate([part.ravel() for part in parts])
+        The same as `external` with H = T + U, in half as many evaluations: the kinetic energy is known.
 
-        native = _native.Recorded.external(math.prod(axes), float(accuracy), number, slopes)
+        Parameters
+        ----------
+        value
+            U as a function of q, an array of doubles of the given shape: one number.
+        gradient
+            ∂U/∂q (minus the force) as a function of q: an array of the given shape.
+        shape
+            The shape of q and of p.
+        masses
+            One number, or an array that broadcasts to the given shape: for particles in space (n, 1).
+        accuracy
+            As in `external`, of U and ∂U/∂q.
+
+        Raises
+        ------
+        ValueError
+            The errors of `external`; masses of another shape, or 0, infinite or NaN.
+
+        Examples
+        --------
+        >>> import math
+        >>> pendulum = Hamiltonian.external_potential(lambda q: -math.cos(q[0]), np.sin, shape=1, masses=2.0)
+        >>> pendulum([0.0], [1.0])
+        -0.75
+        """
+        axes = shape_of(shape)
+        of_all = tuple(_external.masses_of(masses, axes).tolist())
+        native = _external.potential(value, gradient, axes, of_all, float(accuracy))
         h = of_recording(native, axes)
-        h._external = (value, gradient, axes, float(accuracy))
+        h._external = "external_potential", (value, gradient, axes, of_all, float(accuracy))
         return h
 
     def with_bracket(self, bracket: Callable[[Any, Any], dict[tuple[int, int], Any]]) -> Hamiltonian:
@@ -199,7 +221,7 @@ class Hamiltonian:
 
     @property
     def is_external(self) -> bool:
-        """Whether this is an energy by `external`."""
+        """Whether this is an energy by `external` or `external_potential`."""
         return self._external is not None
 
     @property
@@ -358,7 +380,8 @@ class Hamiltonian:
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self.is_external:
-            return Hamiltonian.external, self._external
+            constructor, arguments = self._external
+            return getattr(Hamiltonian, constructor), arguments
         return Hamiltonian.from_bytes, (self.to_bytes(), self._shape)
 
 

@@ -177,6 +177,13 @@ class Recorded:
         value: Callable[[_Floats, _Floats], float],
         gradient: Callable[[_Floats, _Floats], _Floats],
     ) -> Recorded: ...
+    @staticmethod
+    def external_potential(
+        masses: _Floats,
+        accuracy: float,
+        value: Callable[[_Floats], float],
+        gradient: Callable[[_Floats], _Floats],
+    ) -> Recorded: ...
     def with_bracket(
         self, entries: Callable[[list[Variable], list[Variable]], list[tuple[int, int, Any]]]
     ) -> Recorded: ...

@@ -1,10 +1,10 @@
-//! [`external`]: an energy whose value and gradient are functions of Python.
+//! [`external`] and [`external_potential`]: energies whose value and gradient are functions of Python.
 
 use crate::faults::value_error;
-use crate::number::Doubles;
 use equip::prelude::Hamiltonian;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The first exception that a function of Python has raised while it was called for numbers.
@@ -37,32 +37,70 @@ pub(crate) fn external(
     raised: &Raised,
 ) -> PyResult<Hamiltonian> {
     let (of_value, of_gradient) = (raised.clone(), raised.clone());
-    let value = move |q: &[f64], p: &[f64]| {
-        let found = Python::try_attach(|py| {
-            let found = value.bind(py).call1(arrays(py, q, p))?;
-            found.extract::<f64>()
-        });
-        numbers(found, &of_value).unwrap_or(f64::NAN)
-    };
-    let gradient = move |q: &[f64], p: &[f64], dq: &mut [f64], dp: &mut [f64]| {
-        let found = Python::try_attach(|py| {
-            let found = gradient.bind(py).call1(arrays(py, q, p))?;
-            let found = found.extract::<PyReadonlyArray1<'_, f64>>()?;
-            let (of_q, of_p) = found.as_slice()?.split_at(m);
-            dq.copy_from_slice(of_q);
-            dp.copy_from_slice(of_p);
-            Ok(())
-        });
-        if numbers(found, &of_gradient).is_none() {
-            dq.fill(f64::NAN);
-            dp.fill(f64::NAN);
-        }
-    };
-    Hamiltonian::external(m, accuracy, value, gradient).map_err(value_error)
+    Hamiltonian::external(
+        m,
+        accuracy,
+        move |q, p| number(&value, &[q, p], &of_value),
+        move |q, p, dq, dp| array_into(&gradient, &[q, p], [dq, dp], &of_gradient),
+    )
+    .map_err(value_error)
 }
 
-fn arrays<'py>(py: Python<'py>, q: &[f64], p: &[f64]) -> (Doubles<'py>, Doubles<'py>) {
-    (PyArray1::from_slice(py, q), PyArray1::from_slice(py, p))
+/// The energy with these masses and the potential `value(q)`, a number, with `gradient(q)`, an array of m
+/// numbers. Exceptions are handled as in [`external`].
+pub(crate) fn external_potential(
+    masses: &[f64],
+    accuracy: f64,
+    value: Py<PyAny>,
+    gradient: Py<PyAny>,
+    raised: &Raised,
+) -> PyResult<Hamiltonian> {
+    let (of_value, of_gradient) = (raised.clone(), raised.clone());
+    Hamiltonian::external_potential(
+        masses,
+        accuracy,
+        move |q| number(&value, &[q], &of_value),
+        move |q, dq| array_into(&gradient, &[q], [dq], &of_gradient),
+    )
+    .map_err(value_error)
+}
+
+/// The number that `value` returns for these arrays.
+fn number(value: &Py<PyAny>, arrays: &[&[f64]], raised: &Raised) -> f64 {
+    let found = Python::try_attach(|py| called(py, value, arrays)?.extract::<f64>());
+    numbers(found, raised).unwrap_or(f64::NAN)
+}
+
+/// Writes the array that `gradient` returns for these arrays to `parts`, one after the other.
+fn array_into<const N: usize>(
+    gradient: &Py<PyAny>,
+    arrays: &[&[f64]],
+    mut parts: [&mut [f64]; N],
+    raised: &Raised,
+) {
+    let found = Python::try_attach(|py| {
+        let found = called(py, gradient, arrays)?;
+        let found = found.extract::<PyReadonlyArray1<'_, f64>>()?;
+        let mut rest = found.as_slice()?;
+        for part in &mut parts {
+            let (own, others) = rest.split_at(part.len());
+            part.copy_from_slice(own);
+            rest = others;
+        }
+        Ok(())
+    });
+    if numbers(found, raised).is_none() {
+        parts.iter_mut().for_each(|part| part.fill(f64::NAN));
+    }
+}
+
+fn called<'py>(
+    py: Python<'py>,
+    function: &Py<PyAny>,
+    arrays: &[&[f64]],
+) -> PyResult<Bound<'py, PyAny>> {
+    let arrays = arrays.iter().map(|array| PyArray1::from_slice(py, array));
+    function.bind(py).call1(PyTuple::new(py, arrays)?)
 }
 
 /// What was found; nothing where an exception was raised, or where Python has ended.

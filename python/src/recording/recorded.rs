@@ -2,7 +2,7 @@
 
 use crate::faults::value_error;
 use crate::number::Doubles;
-use crate::recording::external::{Raised, external};
+use crate::recording::external::{Raised, external, external_potential};
 use crate::recording::variable::{self, Begun, Variable};
 use crate::runs::patience::{Stop, lock, patiently, patiently_if};
 use equip::autodiff::{BuildError, Formula};
@@ -160,6 +160,23 @@ impl Recorded {
     fn external(m: usize, accuracy: f64, value: Py<PyAny>, gradient: Py<PyAny>) -> PyResult<Self> {
         let raised = Raised::default();
         let hamiltonian = external(m, accuracy, value, gradient, &raised)?;
+        Ok(Recorded {
+            raised,
+            ..Recorded::new(hamiltonian, SHORT)
+        })
+    }
+
+    /// The same for a potential, and the masses of all components of q.
+    #[staticmethod]
+    fn external_potential(
+        masses: PyReadonlyArray1<'_, f64>,
+        accuracy: f64,
+        value: Py<PyAny>,
+        gradient: Py<PyAny>,
+    ) -> PyResult<Self> {
+        let raised = Raised::default();
+        let masses = masses.as_slice()?;
+        let hamiltonian = external_potential(masses, accuracy, value, gradient, &raised)?;
         Ok(Recorded {
             raised,
             ..Recorded::new(hamiltonian, SHORT)

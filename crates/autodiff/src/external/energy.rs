@@ -1,4 +1,7 @@
 //! [`External`]: an energy whose value and gradient are computed by user code, in doubles.
+//!
+//! If user code computes a potential only, H = Σ_c p_c²/(2 m_c) + U(q). The iteration then has the positions
+//! as its only unknowns, and ∇²H takes differences of ∇U alone.
 
 use super::check::{at_or_near, by_differences, largest};
 use super::given::{Given, GivenGradient};
@@ -6,7 +9,7 @@ use crate::recording::recorder::MOST;
 use crate::replay::batch::Batch;
 use crate::replay::point::{Points, check_components};
 use crate::structure::facts::HessianPattern;
-use crate::{BuildError, Structure, WrongGradient};
+use crate::{BuildError, Kinetic, Structure, WrongGradient};
 use equip_scalar::Float;
 use std::fmt;
 use std::sync::Arc;
@@ -20,7 +23,15 @@ pub(crate) struct External {
     /// The relative rounding error of the value.
     accuracy: f64,
     pub(crate) gradient: GivenGradient,
+    /// 1/m_c, if user code computes a potential only.
+    inverse_masses: Option<Arc<[f64]>>,
     pub(crate) structure: Arc<Structure>,
+}
+
+/// T(p) = ½ Σ_c w_c p_c².
+fn kinetic(inverse_masses: &[f64], p: &[f64]) -> f64 {
+    let terms = inverse_masses.iter().zip(p).map(|(&w, &p)| w * p * p);
+    0.5 * terms.sum::<f64>()
 }
 
 impl fmt::Debug for External {
@@ -51,6 +62,7 @@ impl External {
             value,
             accuracy,
             gradient,
+            inverse_masses: None,
             structure: Arc::new(Structure {
                 degrees_of_freedom: m,
                 separable: false,
@@ -61,6 +73,41 @@ impl External {
             }),
         })
     }
+
+    /// The energy Σ_c p_c²/(2 m_c) + U(q), given U and ∇U.
+    pub(crate) fn of_potential(
+        masses: &[f64],
+        accuracy: f64,
+        value: impl Fn(&[f64]) -> f64 + Send + Sync + 'static,
+        gradient: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> Result<Self, BuildError> {
+        let m = masses.len();
+        let inverse_masses: Arc<[f64]> = masses.iter().map(|mass| 1.0 / mass).collect();
+        let usable = |mass: &f64| mass.is_normal() && (1.0 / mass).is_normal();
+        if let Some(component) = masses.iter().position(|mass| !usable(mass)) {
+            let mass = masses[component];
+            return Err(BuildError::Mass { component, mass });
+        }
+        let (of_value, of_gradient) = (inverse_masses.clone(), inverse_masses.clone());
+        let value = move |q: &[f64], p: &[f64]| kinetic(&of_value, p) + value(q);
+        let gradient = move |q: &[f64], p: &[f64], dq: &mut [f64], dp: &mut [f64]| {
+            gradient(q, dq);
+            let velocities = dp.iter_mut().zip(p).zip(&*of_gradient);
+            velocities.for_each(|((v, &p), &w)| *v = w * p);
+        };
+        let gradient = GivenGradient(Arc::new(gradient));
+        let mut external = External::new(m, accuracy, Arc::new(value), gradient)?;
+        external.inverse_masses = Some(inverse_masses);
+        external.structure = Arc::new(Structure {
+            degrees_of_freedom: m,
+            separable: true,
+            degree: None,
+            degree_in_q: None,
+            degree_in_p: Some(2),
+            hessian: HessianPattern::of_potential(m),
+        });
+        Ok(external)
+    }
 }
 
 /// An external energy with its workspace.
@@ -69,10 +116,11 @@ pub(crate) struct ExternalEvaluator<T> {
     pub(crate) of: External,
     pub(crate) given: Given<T>,
     points: Points<T>,
-    /// A state near the given one, ∇H there, and a vector.
+    /// A state near the given one, ∇H there, a vector, and its product with ∇²H.
     point: Vec<T>,
     ahead: Vec<T>,
     unit: Vec<T>,
+    product: Vec<T>,
 }
 
 impl<T: Float> ExternalEvaluator<T> {
@@ -84,6 +132,7 @@ impl<T: Float> ExternalEvaluator<T> {
             point: Vec::new(),
             ahead: Vec::new(),
             unit: Vec::new(),
+            product: Vec::new(),
         }
     }
 
@@ -98,7 +147,7 @@ impl<T: Float> ExternalEvaluator<T> {
     }
 
     /// The bound covers the rounding of the value and the effect of rounding y. Cancellation of terms within
-    /// H is unknown.
+    /// H is unknown, except that of T and U.
     pub(crate) fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
         self.given.at(y, gradient);
         let h = self.value(y);
@@ -107,7 +156,9 @@ impl<T: Float> ExternalEvaluator<T> {
             .zip(&*gradient)
             .map(|(&y, &derivative)| (y * derivative).abs());
         let of_state = T::exact(f64::EPSILON) * terms.fold(T::int(0), |sum, term| sum + term);
-        let of_value = T::exact(self.of.accuracy) * h.abs();
+        let (_, p) = self.given.state().split_at(y.len() / 2);
+        let t = (self.of.inverse_masses.as_ref()).map_or(0.0, |masses| kinetic(masses, p));
+        let of_value = T::exact(self.of.accuracy) * ((h - T::exact(t)).abs() + T::exact(t).abs());
         (h, (of_value + of_state) / T::EPSILON)
     }
 
@@ -157,19 +208,58 @@ impl<T: Float> ExternalEvaluator<T> {
         }
     }
 
-    /// All n² entries, symmetric.
+    /// The components whose entries are computed by differences: all, or the positions.
+    fn differenced(&self) -> usize {
+        let m = self.of.structure.degrees_of_freedom;
+        m * if self.of.inverse_masses.is_some() {
+            1
+        } else {
+            2
+        }
+    }
+
+    /// The number of gradients for ∇²H at one point.
+    pub(crate) fn gradients_of_hessian(&self) -> u64 {
+        2 * self.differenced() as u64
+    }
+
+    /// T(p), if user code computes a potential only.
+    pub(crate) fn kinetic(&self) -> Option<Kinetic<T>> {
+        let inverse_masses = self.of.inverse_masses.as_ref()?;
+        Some(Kinetic::diagonal_of(
+            inverse_masses.iter().map(|&w| T::exact(w)),
+        ))
+    }
+
+    /// All entries of the pattern, symmetric.
     pub(crate) fn hessian(&mut self, y: &[T], entries: &mut [T]) {
-        let n = y.len();
-        Batch::one(y, entries).check([n, n * n]);
-        let mut unit = std::mem::take(&mut self.unit);
+        let (n, len) = (self.differenced(), self.of.structure.hessian.len());
+        Batch::one(y, entries).check([2 * self.of.structure.degrees_of_freedom, len]);
+        let (mut unit, mut product) = (
+            std::mem::take(&mut self.unit),
+            std::mem::take(&mut self.product),
+        );
         unit.clear();
-        unit.resize(n, T::int(0));
-        for (k, row) in entries.chunks_exact_mut(n).enumerate() {
+        unit.resize(y.len(), T::int(0));
+        product.resize(y.len(), T::int(0));
+        let (block, of_momenta) = entries.split_at_mut(n * n);
+        for (k, row) in block.chunks_exact_mut(n).enumerate() {
             unit[k] = T::int(1);
-            self.hessian_times(y, &unit, row);
+            self.hessian_times(y, &unit, &mut product);
+            row.copy_from_slice(&product[..n]);
             unit[k] = T::int(0);
         }
-        self.unit = unit;
+        (self.unit, self.product) = (unit, product);
+        let inverse_masses = self
+            .of
+            .inverse_masses
+            .iter()
+            .flat_map(|masses| masses.iter());
+        of_momenta
+            .iter_mut()
+            .zip(inverse_masses)
+            .for_each(|(x, &w)| *x = T::exact(w));
+        let entries = block;
         for i in 0..n {
             for k in 0..i {
                 let mean = (entries[i * n + k] + entries[k * n + i]) / T::int(2);
@@ -179,10 +269,13 @@ impl<T: Float> ExternalEvaluator<T> {
     }
 
     pub(crate) fn hessians(&mut self, batch: Batch<T>) {
-        let n = 2 * self.of.structure.degrees_of_freedom;
-        batch.check([n, n * n]);
+        let lengths = [
+            2 * self.of.structure.degrees_of_freedom,
+            self.of.structure.hessian.len(),
+        ];
+        batch.check(lengths);
         let mut points = std::mem::take(&mut self.points);
-        points.each(batch, [n, n * n], |y, entries| self.hessian(y, entries));
+        points.each(batch, lengths, |y, entries| self.hessian(y, entries));
         self.points = points;
     }
 }

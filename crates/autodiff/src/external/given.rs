@@ -56,6 +56,11 @@ impl<T: Float> Given<T> {
         &self.state
     }
 
+    /// The last state in doubles.
+    pub(crate) fn state(&self) -> &[f64] {
+        &self.state
+    }
+
     /// ∇H at `y`, length n.
     ///
     /// # Panics

@@ -208,7 +208,12 @@ impl<T: Float> Evaluator<T> {
                 batch.check([structure.degrees_of_freedom; 2]);
                 given.each(batch);
             }
-            External(external) => require_separable(external.of.structure.separable),
+            External(external) => {
+                let structure = &external.of.structure;
+                require_separable(structure.separable);
+                batch.check([structure.degrees_of_freedom; 2]);
+                external.given.each(batch);
+            }
         }
     }
 
@@ -257,10 +262,10 @@ impl<T: Float> Evaluator<T> {
     }
 
     /// The number of gradients for ∇²H at one point: 2n for an external energy, whose ∇²H is computed by
-    /// differences, 0 otherwise.
+    /// differences, n for an external potential, 0 otherwise.
     pub fn gradients_of_hessian(&self) -> u64 {
         match &self.source {
-            External(external) => 4 * external.of.structure.degrees_of_freedom as u64,
+            External(external) => external.gradients_of_hessian(),
             Traced(_) | WithGradient(..) => 0,
         }
     }
@@ -273,7 +278,7 @@ impl<T: Float> Evaluator<T> {
         }
         match &mut self.source {
             Traced(traced) | WithGradient(traced, _) => (ready::<T>().kinetic)(traced),
-            External(_) => None,
+            External(external) => external.kinetic(),
         }
     }
 

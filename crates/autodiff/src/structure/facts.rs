@@ -33,6 +33,24 @@ impl HessianPattern {
         Self::new(dimension, |rows| Pattern::full(rows.len()))
     }
 
+    /// The pattern of diag(∇²U, M⁻¹) with a ∇²U that may have all m² entries and a diagonal M.
+    pub(crate) fn of_potential(m: usize) -> Self {
+        Self::new(2 * m, move |rows| {
+            let row = |i: usize| if i < m { 0..m } else { i..i + 1 };
+            let inside = |i: usize| row(i).filter(|j| rows.contains(j)).map(|j| j - rows.start);
+            let columns: Vec<usize> = rows.clone().flat_map(inside).collect();
+            let lengths = rows.clone().scan(0, |sum, i| {
+                *sum += inside(i).count();
+                Some(*sum)
+            });
+            let row_starts = std::iter::once(0).chain(lengths).collect();
+            Pattern {
+                row_starts,
+                columns,
+            }
+        })
+    }
+
     /// The number of rows (and columns) of the matrix, without computing the pattern.
     pub fn dimension(&self) -> usize {
         self.dimension

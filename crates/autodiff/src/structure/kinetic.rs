@@ -63,6 +63,16 @@ impl<T: Float> Kinetic<T> {
         Some(Kinetic { shape, offset })
     }
 
+    /// T(p) = ½ Σ_c w_c p_c², with the w_c of the iterator.
+    pub(crate) fn diagonal_of(inverse_masses: impl Iterator<Item = T>) -> Self {
+        let diagonal: Vec<T> = inverse_masses.collect();
+        let offset = vec![T::int(0); diagonal.len()];
+        Kinetic {
+            shape: Shape::Diagonal(diagonal),
+            offset,
+        }
+    }
+
     /// The diagonal of M⁻¹, if all other entries are zero.
     pub fn diagonal(&self) -> Option<&[T]> {
         match &self.shape {
