@@ -3,7 +3,7 @@
 use crate::faults::value_error;
 use crate::number::{Number, Pair, Pairs};
 use crate::recording::recorded::Recorded;
-use equip::integrate::{Alphas, Integrator, Preconditioner, Reach};
+use equip::integrate::{AlphaPolicy, Alphas, Integrator, Preconditioner};
 use equip::prelude::*;
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -22,7 +22,7 @@ pub(crate) struct Options {
     family: String,
     stages: usize,
     alpha: Pair,
-    reach: String,
+    alpha_policy: String,
     alpha_bound: f64,
     preconditioner: String,
     measure_energy: bool,
@@ -114,11 +114,11 @@ impl Options {
                 0 => Record::Ends,
                 k => Record::Every(k),
             })
-            .reach(match self.reach.as_str() {
-                "within error" => Reach::WithinError,
-                "always" => Reach::Always,
-                "refuse" => Reach::Refuse,
-                other => return Err(value_error(format!("unknown reach {other}"))),
+            .alpha_policy(match self.alpha_policy.as_str() {
+                "within error" => AlphaPolicy::WithinError,
+                "always" => AlphaPolicy::Always,
+                "refuse" => AlphaPolicy::Refuse,
+                other => return Err(value_error(format!("unknown alpha_policy {other}"))),
             })
             .preconditioner(match self.preconditioner.as_str() {
                 "automatic" => Preconditioner::Automatic,

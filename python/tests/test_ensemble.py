@@ -181,7 +181,7 @@ def test_outcomes():
     h = equip.Hamiltonian(lambda q, p: p @ p / 2 - q[0] ** 4, 1)
     q0, p0 = np.array([[0.1], [1.0], [0.1]]), np.array([[0.0], [1.5], [0.1]])
     ends = equip.ensemble(h, q0, p0, (0, 2), step=0.01)
-    assert ends.outcome.tolist() == ["kept", "failed", "kept"]
+    assert ends.outcome.tolist() == ["conserved", "failed", "conserved"]
     gauss = equip.ensemble(h, q0[:1], p0[:1], (0, 2), step=0.5, method=equip.Gauss(stages=2))
     assert gauss.outcome.tolist() == ["finished"] and not gauss.errors
 

@@ -20,7 +20,7 @@ def everything(n):
         h = equip.Hamiltonian(lambda q, p: 0.5 * p @ p - "1.5" / np.sqrt(q @ q), 2)
         sol = equip.solve(h, [0.4, 0], [0, 2.0], (0, 2), dense_output=True, events=lambda t, q, p: q[1])
         sol.sol(1.0), sol.certificate.to_dict(), h.hessian([1, 2], [3, 4])
-        next(equip.steps(h, [0.4, 0], [0, 2.0], deviations=np.eye(4)))
+        next(equip.steps(h, [0.4, 0], [0, 2.0], tangent_vectors=np.eye(4)))
 
 
 def test_memory_stays_flat():

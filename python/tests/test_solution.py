@@ -189,7 +189,7 @@ def test_energies_that_jump(tmp_path):
     h = equip.Hamiltonian(energy, 1)
     sol = equip.solve(h, [0.0], [1.0], (0, 4), method=equip.Equip(6), step=0.1)
     jumps = sol.certificate.energy_jumps
-    assert jumps.count == sol.certificate.counts.switches_crossed == 2
+    assert jumps.count == sol.certificate.counts.discontinuities_crossed == 2
     assert jumps.largest == pytest.approx(1e-3, rel=1e-6)
     assert not sol.certificate.energy_conserved_on_every_step
     # q = t - t²/4.
@@ -246,7 +246,7 @@ def test_results_are_printed_in_five_lines(kepler):
             assert len(text.splitlines()) == 5 and len(text) < 600
         assert result._repr_html_().count("<tr>") == 5
     assert "5001" in repr(sol) and "roots of events: 15" in repr(sol)
-    assert "300: 300 kept" in repr(ends)
+    assert "300: 300 conserved" in repr(ends)
     failed = equip.ensemble(kepler, [[np.nan, 0.0]], [[0.0, 2.0]], (0, 1))
     assert "1 failed" in repr(failed) and "run 0: " in repr(failed)
 

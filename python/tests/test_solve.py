@@ -265,7 +265,7 @@ def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, "sorted in the direction of the run", t_eval=[0.5, 0.25])
     fails(kepler, r"t_eval has shape \(1, 2\); it must have one axis", t_eval=[[0.25, 0.5]])
     fails(kepler, "stages is 40; it must be a whole number, 2 to 32", method=equip.Equip(40))
-    fails(kepler, "reach is 'far'; it must be", method=equip.Equip(4, reach="far"))
+    fails(kepler, "alpha_policy is 'far'; it must be", method=equip.Equip(4, alpha_policy="far"))
     fails(kepler, "preconditioner is 'none'; it must be", method=equip.Gauss(4, preconditioner="none"))
     fails(kepler, "alphas is 'first'; it must be 'all' or 'last'", method=equip.Equip(4, alphas="first"))
     fails(kepler, "precision is 'f32'; it must be 'f64' or 'dd'", precision="f32")

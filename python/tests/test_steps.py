@@ -47,10 +47,10 @@ def test_kicks(kepler):
     assert kepler(kicked.q, kicked.p) > kepler(*START) + 0.01
 
 
-def test_deviations_follow_the_tangent_map(kepler):
-    steps = equip.steps(kepler, *START, step=0.05, deviations=np.eye(4))
+def test_tangent_vectors_follow_the_tangent_map(kepler):
+    steps = equip.steps(kepler, *START, step=0.05, tangent_vectors=np.eye(4))
     step = next(islice(steps, 99, None))
-    map_ = steps.deviations.T
+    map_ = steps.tangent_vectors.T
     # Symplectic, and the derivative of the flow.
     j = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.eye(2), np.zeros((2, 2))]])
     assert np.abs(map_.T @ j @ map_ - j).max() < 1e-10
@@ -60,13 +60,13 @@ def test_deviations_follow_the_tangent_map(kepler):
         q = np.array(START[0]) + sign * d * np.array([1, 0])
         ends.append(equip.solve(kepler, q, START[1], (0, step.t), step=0.05, record="ends").y[-1])
     assert np.abs(map_[:, 0] - (ends[0] - ends[1]) / (2 * d)).max() < 1e-6
-    steps.deviations = np.zeros((4, 4))
-    assert next(islice(steps, 0, None)) is not None and not steps.deviations.any()
+    steps.tangent_vectors = np.zeros((4, 4))
+    assert next(islice(steps, 0, None)) is not None and not steps.tangent_vectors.any()
     with pytest.raises(ValueError, match=r"they must keep \(4, 4\)"):
-        steps.deviations = np.zeros(4)
+        steps.tangent_vectors = np.zeros(4)
     with pytest.raises(ValueError, match=r"they must have \(k, 4\)"):
-        equip.steps(kepler, *START, step=0.1, deviations=np.eye(3))
-    assert equip.steps(kepler, *START, step=0.1, deviations=[1, 0, 0, 0]).deviations.shape == (1, 4)
+        equip.steps(kepler, *START, step=0.1, tangent_vectors=np.eye(3))
+    assert equip.steps(kepler, *START, step=0.1, tangent_vectors=[1, 0, 0, 0]).tangent_vectors.shape == (1, 4)
 
 
 def test_a_step_that_cannot_be_made_raises_and_leaves_the_state():
@@ -99,17 +99,17 @@ def test_suggested_steps(kepler):
 
 
 @pytest.mark.parametrize("how", [{"step": 0.1}, {"tolerance": 1e-10}])
-@pytest.mark.parametrize("deviations", [None, np.eye(4)])
-def test_advance_to_and_turn_back(kepler, how, deviations):
-    steps = equip.steps(kepler, *START, **how, deviations=deviations)
+@pytest.mark.parametrize("tangent_vectors", [None, np.eye(4)])
+def test_advance_to_and_turn_back(kepler, how, tangent_vectors):
+    steps = equip.steps(kepler, *START, **how, tangent_vectors=tangent_vectors)
     there = steps.advance_to(2.345)
     assert there.t == 2.345 and np.array_equal(there.q, steps.last.q)
     end = equip.solve(kepler, *START, (0, 2.345), **how)
     assert np.abs(there.q - end.q[-1]).max() < 1e-9
     back = steps.advance_to(0)
     assert back.t == 0 and np.abs(back.q - START[0]).max() < 1e-9
-    if deviations is not None:
-        assert np.abs(steps.deviations - np.eye(4)).max() < 1e-6
+    if tangent_vectors is not None:
+        assert np.abs(steps.tangent_vectors - np.eye(4)).max() < 1e-6
     next(steps)
     before = steps.last.t
     steps.turn_back()
@@ -120,13 +120,13 @@ def test_advance_to_and_turn_back(kepler, how, deviations):
         steps.advance_to(np.nan)
 
 
-def test_deviations_are_finite(kepler):
+def test_tangent_vectors_are_finite(kepler):
     for wrong in ([np.nan] * 4, [np.inf, 0, 0, 0]):
-        with pytest.raises(ValueError, match="deviations have entries that are not finite"):
-            equip.steps(kepler, *START, step=0.1, deviations=wrong)
-    steps = equip.steps(kepler, *START, step=0.1, deviations=np.eye(4))
-    with pytest.raises(ValueError, match="deviations have entries that are not finite"):
-        steps.deviations = np.full((4, 4), np.nan)
+        with pytest.raises(ValueError, match="tangent_vectors have entries that are not finite"):
+            equip.steps(kepler, *START, step=0.1, tangent_vectors=wrong)
+    steps = equip.steps(kepler, *START, step=0.1, tangent_vectors=np.eye(4))
+    with pytest.raises(ValueError, match="tangent_vectors have entries that are not finite"):
+        steps.tangent_vectors = np.full((4, 4), np.nan)
 
 
 def test_spans_of_suggested_steps(kepler):
@@ -182,7 +182,7 @@ def test_a_ball_bounces_step_by_step():
 def test_events_that_steps_refuse_say_what_to_do():
     ball, floor = ball_and_floor()
     with pytest.raises(ValueError, match="omit one of them"):
-        equip.steps(ball, [0.5], [0.0], step=0.3, events=floor, deviations=[1.0, 0.0])
+        equip.steps(ball, [0.5], [0.0], step=0.3, events=floor, tangent_vectors=[1.0, 0.0])
     floor.then = lambda t, q, p: 1 / 0
     with pytest.raises(ZeroDivisionError):
         equip.steps(ball, [0.5], [0.0], step=0.3, events=floor).advance_to(2.0)

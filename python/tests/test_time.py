@@ -104,15 +104,15 @@ def test_double_double_has_its_digits():
     assert abs(Decimal(str(sol.q_text()[-1, 0])) - exact) < Decimal("1e-24")
 
 
-def test_steps_carry_deviations(pushed):
-    run = equip.steps(pushed, [0.0], [0.0], step=0.1, deviations=[1.0, 0.0])
+def test_steps_carry_tangent_vectors(pushed):
+    run = equip.steps(pushed, [0.0], [0.0], step=0.1, tangent_vectors=[1.0, 0.0])
     for _ in range(30):
         next(run)
     t = run.last.t
-    assert np.abs(run.deviations - [[np.cos(t), -np.sin(t)]]).max() < 1e-12
-    run.deviations = [[0.0, 1.0]]
+    assert np.abs(run.tangent_vectors - [[np.cos(t), -np.sin(t)]]).max() < 1e-12
+    run.tangent_vectors = [[0.0, 1.0]]
     run.restart([0.0], [0.0])
-    assert run.last.t == 0 and np.array_equal(run.deviations, [[0.0, 1.0]])
+    assert run.last.t == 0 and np.array_equal(run.tangent_vectors, [[0.0, 1.0]])
     kept = equip.solve(pushed, [0.0], [0.0], (0, 100), chaos=True).certificate
     assert abs(kept.lyapunov) < 0.1
 

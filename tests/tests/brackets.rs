@@ -297,23 +297,26 @@ fn the_jacobian_is_that_of_w() {
     }
 }
 
-/// Deviations are compared with differences of two runs.
+/// Tangent vectors are compared with differences of two runs.
 #[test]
-fn deviations_follow_the_motion() {
+fn tangent_vectors_follow_the_motion() {
     let top = heavy_top();
     let by = || Equip::stages(8).step(0.1);
     let (q0, p0) = top.halves(&TOP);
     let mut stepper = by().start(&top, &q0, &p0, 0.0).unwrap();
     let mut tangent = TangentMap::new(&top, &mut stepper);
-    let mut deviation = vec![0.3, -0.2, 0.5, 0.1, 0.7, -0.4];
+    let mut tangent_vector = vec![0.3, -0.2, 0.5, 0.1, 0.7, -0.4];
     let ends = [1e-5, -1e-5].map(|by_much| {
-        let moved = TOP.iter().zip(&deviation).map(|(y, d)| y + by_much * d);
+        let moved = TOP
+            .iter()
+            .zip(&tangent_vector)
+            .map(|(y, d)| y + by_much * d);
         end(&run(by(), &top, &moved.collect::<Vec<_>>(), 3.0))
     });
     tangent
-        .advance_to(&mut stepper, 3.0, &mut deviation)
+        .advance_to(&mut stepper, 3.0, &mut tangent_vector)
         .unwrap();
-    for (found, (a, b)) in deviation.iter().zip(ends[0].iter().zip(&ends[1])) {
+    for (found, (a, b)) in tangent_vector.iter().zip(ends[0].iter().zip(&ends[1])) {
         let derivative = (a - b) / 2e-5;
         assert!((found - derivative).abs() < 1e-8, "{found} {derivative}");
     }

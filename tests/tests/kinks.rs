@@ -254,7 +254,7 @@ fn kinks_are_passed_in_double_double() {
     let off = [0, 1].map(|i| ((found[i] - right[i]).abs() / tolerance).to_f64());
     println!("{off:?} tolerances");
     assert!(off.iter().all(|&off| off < 100.0), "{off:?}");
-    assert_eq!(run.certificate().switches_crossed, 20);
+    assert_eq!(run.certificate().discontinuities_crossed, 20);
 }
 
 /// A swing that reaches a wedge by `depth` only: the oscillator goes round −1 there, so the right state is
@@ -279,7 +279,7 @@ fn grazing(depth: f64) -> (f64, u64, u64) {
     let counts = run.certificate().counts;
     (
         apart(&end(&run), &right),
-        run.certificate().switches_crossed,
+        run.certificate().discontinuities_crossed,
         counts.steps,
     )
 }
@@ -317,7 +317,7 @@ fn switches_of_time_are_passed() {
     // p = −t − t²/2 up to 1; with x = t − 1 afterwards p = −3/2 + x²/2 − 2x.
     let q = -0.5 - 1.0 / 6.0 - 1.5 * 3.0 + 27.0 / 6.0 - 9.0;
     assert!(apart(&end(&run), &[q, -1.5 + 4.5 - 6.0]) < 1e-9);
-    assert_eq!(run.certificate().switches_crossed, 1);
+    assert_eq!(run.certificate().discontinuities_crossed, 1);
 }
 
 /// Stopped on a switch and resumed, a run is the run that was not, bit for bit.
@@ -336,7 +336,7 @@ fn checkpoints_know_the_side() {
         });
         assert_eq!(here, there);
     }
-    assert!(run.certificate().switches_crossed > 4);
+    assert!(run.certificate().discontinuities_crossed > 4);
 }
 
 /// There and back over kinks.
@@ -366,6 +366,6 @@ fn a_run_may_begin_on_a_switch() {
     let (right, crossed) = wedge([1.0, 0.0, 0.7], 50.0);
     let moving = run(0.7);
     assert!(apart(&end(&moving), &right) < 1e-11);
-    assert_eq!(moving.certificate().switches_crossed, crossed);
+    assert_eq!(moving.certificate().discontinuities_crossed, crossed);
     assert_eq!(end(&run(0.0)), [0.0, 0.0]);
 }

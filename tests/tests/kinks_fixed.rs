@@ -25,7 +25,7 @@ fn fixed_steps_meet_switches_too() {
         let run = run.unwrap();
         let certificate = run.certificate();
         assert_eq!(run.len(), steps as usize + 1, "{}", case.name);
-        assert!(certificate.switches_crossed > 5, "{}", case.name);
+        assert!(certificate.discontinuities_crossed > 5, "{}", case.name);
         let defect = certificate.energy.as_ref().unwrap().max;
         let error = apart(&end(&run), &case.right);
         println!("{}: {error:.1e}, energy {defect:.1e}", case.name);
@@ -84,7 +84,11 @@ fn a_wedge_by_fixed_steps_is_exact() {
         let mut run = options.start(&energy, &[1.0], &[0.3], 0.0).unwrap();
         let view = run.advance_to(50.0).unwrap();
         let error = apart(&[view.q[0], view.p[0]], &right);
-        assert_eq!(run.certificate().switches_crossed, passed, "{method}");
+        assert_eq!(
+            run.certificate().discontinuities_crossed,
+            passed,
+            "{method}"
+        );
         assert_eq!(run.certificate().counts.steps, u64::from(steps));
         let view = run.advance_to(0.0).unwrap();
         let back = apart(&[view.q[0], view.p[0]], &[1.0, 0.3]);
@@ -124,7 +128,7 @@ fn values_that_jump_are_told() {
             let text = certificate.to_string();
             match certificate.energy_jumps {
                 Some(jumps) => {
-                    assert!(low.abs() > 0.0 && jumps.count == certificate.switches_crossed);
+                    assert!(low.abs() > 0.0 && jumps.count == certificate.discontinuities_crossed);
                     assert!(
                         (jumps.largest - low.abs()).abs() < 1e-3 * low.abs(),
                         "{jumps:?}"
@@ -135,7 +139,7 @@ fn values_that_jump_are_told() {
                 None => assert!(!(low.abs() > 0.0), "{low:e} {steep}: {text}"),
             }
             let bends = low.abs() > 0.0 || steep > 0.0;
-            assert!(certificate.switches_crossed > 2 || !bends);
+            assert!(certificate.discontinuities_crossed > 2 || !bends);
         }
     }
 }
@@ -155,7 +159,7 @@ fn crossings_of_a_rotating_bar_by_fixed_steps() {
             .integrate(&bar.energy, q, p, 0.0..=bar.time)
             .unwrap();
         let certificate = run.certificate();
-        let off = certificate.switches_crossed.abs_diff(16) as f64;
+        let off = certificate.discontinuities_crossed.abs_diff(16) as f64;
         misses.most(&format!("{steps} steps, crossings off"), off, 0.0);
     }
     misses.end();

@@ -84,7 +84,7 @@ fn random_energies(count: u64) {
                 let certificate = run.certificate();
                 steps += certificate.counts.steps;
                 most = most.max(certificate.counts.steps);
-                crossed += certificate.switches_crossed;
+                crossed += certificate.discontinuities_crossed;
             }
             Err(failure) => {
                 let fixed = method.step(0.01).integrate(&energy, q, p, 0.0..=10.0);
@@ -162,7 +162,11 @@ fn random_crossings(crossings: u64, m: usize) {
         let (found, right) = (end(&run), balls.iter().map(|&ball| wedge(ball, time)));
         let expected: u64 = right.clone().map(|(_, count)| count).sum();
         let what = format!("{expected} crossings");
-        assert_eq!(run.certificate().switches_crossed, expected, "{balls:?}");
+        assert_eq!(
+            run.certificate().discontinuities_crossed,
+            expected,
+            "{balls:?}"
+        );
         for (i, (state, _)) in right.enumerate() {
             let error = apart(&[found[i], found[m + i]], &state) / 1e-10;
             misses.most(&what, error, 1.0);
@@ -214,7 +218,7 @@ fn crossings_by_fixed_steps(runs: usize) {
         let (mut was_beyond, mut count) = (is_beyond(&q), 0);
         while run.time() < 300.0 {
             let now = is_beyond(run.advance().unwrap().q);
-            let crossed = run.certificate().switches_crossed;
+            let crossed = run.certificate().discontinuities_crossed;
             let is_odd = (crossed - count) % 2 == 1;
             assert_eq!(is_odd, now != was_beyond, "{kind}, {method}, {step}");
             (was_beyond, count) = (now, crossed);

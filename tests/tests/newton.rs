@@ -18,7 +18,11 @@ fn iterations<T: Float>(method: Method, (energy, start): &(Hamiltonian, Start<T>
     }
     let c = run.counts();
     assert_eq!(
-        (c.fixed_point_iterations, c.taken_over, c.halvings),
+        (
+            c.fixed_point_iterations,
+            c.preconditioner_changes,
+            c.halvings
+        ),
         (0, 0, 0)
     );
     let found = c.newton_iterations as f64 / c.steps as f64;

@@ -260,7 +260,7 @@ fn off_on_the_way_back<T: Float>(
     }
     println!(
         "s = {s}, {n} steps: {most:.1e}, {} left to Newton",
-        run.counts().taken_over
+        run.counts().preconditioner_changes
     );
     most
 }

@@ -34,7 +34,7 @@ fn digits(options: &Integrator<f64>) -> (f64, f64) {
     let counts = run.certificate().counts;
     assert_eq!(
         (
-            counts.taken_over,
+            counts.preconditioner_changes,
             counts.halvings,
             counts.fixed_point_iterations
         ),

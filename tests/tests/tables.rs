@@ -90,7 +90,7 @@ fn by_tolerance_over_knots() {
             let run = run.unwrap();
             let off = (end(&run) - exact).abs();
             let certificate = run.certificate();
-            let crossed = certificate.switches_crossed;
+            let crossed = certificate.discontinuities_crossed;
             let steps = certificate.counts.steps;
             table += &format!("| {intervals}, {stages} | {off:.0e} | {steps} | {crossed} |\n");
             assert!(off < 1e-8, "{intervals} intervals, s = {stages}: {off:e}");

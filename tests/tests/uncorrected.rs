@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Alphas, Equip, Method, Reach};
+use equip_integrate::{AlphaPolicy, Alphas, Equip, Method};
 
 /// q of Kepler's problem, e = 0.6, from the pericentre: by Kepler's equation.
 fn position(revolutions: f64) -> [f64; 2] {
@@ -16,12 +16,17 @@ fn position(revolutions: f64) -> [f64; 2] {
 }
 
 /// Steps that are uncorrected, the largest |H − H_ref|, and the error of q at the end.
-fn kepler(method: Method, reach: Reach, revolutions: f64, steps: u64) -> (u64, f64, f64) {
+fn kepler(
+    method: Method,
+    alpha_policy: AlphaPolicy,
+    revolutions: f64,
+    steps: u64,
+) -> (u64, f64, f64) {
     let h = Hamiltonian::new(2, |q, p| {
         0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
     });
     let step = std::f64::consts::TAU * revolutions / steps as f64;
-    let method = method.step(step).reach(reach);
+    let method = method.step(step).alpha_policy(alpha_policy);
     let mut run = method
         .start(&h.unwrap(), &[0.4, 0.0], &[0.0, 2.0], 0.0)
         .unwrap();
@@ -45,8 +50,8 @@ fn one_parameter_conserves_the_energy_on_every_step() {
         (Equip::stages(4).alphas(Alphas::Last), 20.0, 1600, 2.70e-8),
     ];
     for (method, revolutions, steps, measured) in cases {
-        let found = kepler(method, Reach::WithinError, revolutions, steps);
-        let always = kepler(method, Reach::Always, revolutions, steps);
+        let found = kepler(method, AlphaPolicy::WithinError, revolutions, steps);
+        let always = kepler(method, AlphaPolicy::Always, revolutions, steps);
         assert_eq!(found.0, 0, "{steps} steps: {found:?}");
         assert!(found.1 <= 1e-13, "{steps} steps: {found:?}");
         assert!(found.2 <= 1.1 * measured, "{steps} steps: {found:?}");
@@ -61,7 +66,7 @@ fn one_parameter_conserves_the_energy_on_every_step() {
 #[test]
 fn the_number_of_steps_does_not_decide_what_is_conserved() {
     for steps in [13_990, 14_003, 14_005, 14_020] {
-        let found = kepler(Equip::stages(8), Reach::WithinError, 1000.3, steps);
+        let found = kepler(Equip::stages(8), AlphaPolicy::WithinError, 1000.3, steps);
         assert!(found.0 <= 90, "{steps} steps: {found:?}");
         assert!((1e-4..5e-4).contains(&found.2), "{steps} steps: {found:?}");
     }

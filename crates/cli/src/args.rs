@@ -10,7 +10,7 @@ mod shared;
 
 pub(crate) use number::{number, positive};
 pub(crate) use others::{CheckArgs, GrowthArgs, PaperArgs, ReportArgs, ScenesArgs, SectionArgs};
-pub(crate) use run::{MethodName, Precision, ReachName, RunArgs};
+pub(crate) use run::{AlphaPolicyName, MethodName, Precision, RunArgs};
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use equip_scenes::Scene;

@@ -184,12 +184,12 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
         E::StepLimit { steps, time } => format!(
             "the limit of {steps} steps is reached at t = {time}; loosen --tolerance, or end earlier with --until"
         ),
-        E::CheckpointMismatch { what, stored, now } if *what == "reach" => format!(
-            "the checkpoint was made with --reach {}, this run has {}; give the same, or start again with another --checkpoint",
+        E::CheckpointMismatch { what, stored, now } if *what == "alpha_policy" => format!(
+            "the checkpoint was made with --alpha-policy {}, this run has {}; give the same, or start again with another --checkpoint",
             in_kebab_case(stored),
             in_kebab_case(now)
         ),
-        E::CheckpointMismatch { what, now, .. } if *what == "deviation" => {
+        E::CheckpointMismatch { what, now, .. } if *what == "tangent vector" => {
             of_flag("--lyapunov", now == "followed")
         }
         E::NoAdmissibleAlpha {
@@ -198,7 +198,7 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
             energy_error,
             round_off,
         } => format!(
-            "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {energy_error:e}, round-off level {round_off:e}); use a smaller --step, more --stages or --method equip, or omit --reach refuse to accept uncorrected steps"
+            "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {energy_error:e}, round-off level {round_off:e}); use a smaller --step, more --stages or --method equip, or omit --alpha-policy refuse to accept uncorrected steps"
         ),
         other => other.to_string(),
     }

@@ -1,6 +1,5 @@
 //! `equip run`: one scene, one method, one certificate.
 
-mod asked;
 mod comparison;
 mod curve;
 pub(crate) mod finished;
@@ -9,10 +8,11 @@ mod json;
 mod method;
 mod picture;
 pub(crate) mod progress;
+mod requested;
 pub(crate) mod signals;
 mod watch;
 
-use crate::args::{MethodName, Precision, ReachName, RunArgs, number, positive};
+use crate::args::{AlphaPolicyName, MethodName, Precision, RunArgs, number, positive};
 use crate::draw::samples::Picture;
 use crate::fault::Fault;
 use crate::text::{significant, without_long_numbers};
@@ -23,7 +23,7 @@ use crate::write::outputs::behind_link;
 use comparison::Comparison;
 use curve::curve;
 use equip_integrate::{
-    Checkpoint, Gauss, IntegrateError, Integrator, Invariant, Method, Reach, Target,
+    AlphaPolicy, Checkpoint, Gauss, IntegrateError, Integrator, Invariant, Method, Target,
 };
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
@@ -38,7 +38,7 @@ use watch::{Resumed, Watch};
 
 pub(crate) fn run(args: &mut RunArgs) -> Result<(), Fault> {
     args.checkpoint = args.checkpoint.take().map(behind_link);
-    asked::check(args)?;
+    requested::check(args)?;
     let instance = args.instance()?;
     match args.precision {
         Precision::F64 => run_in::<f64>(args, &instance),
@@ -58,10 +58,10 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         .tolerance()
         .map(|text| number::<T>("--tolerance", text));
     let tolerance = tolerance.transpose()?;
-    let mut options = integrator(method, tolerance, h).reach(match args.reach {
-        ReachName::WithinError => Reach::WithinError,
-        ReachName::Always => Reach::Always,
-        ReachName::Refuse => Reach::Refuse,
+    let mut options = integrator(method, tolerance, h).alpha_policy(match args.alpha_policy {
+        AlphaPolicyName::WithinError => AlphaPolicy::WithinError,
+        AlphaPolicyName::Always => AlphaPolicy::Always,
+        AlphaPolicyName::Refuse => AlphaPolicy::Refuse,
     });
     if args.lyapunov {
         options = options.chaos();
@@ -312,7 +312,7 @@ fn of_whole_run<T: Float>(error: IntegrateError<T>, times: T) -> IntegrateError<
     }
 }
 
-/// Prints the certificate in the form asked for.
+/// Prints the certificate in the requested form.
 fn report<T: Float>(args: &RunArgs, finished: &Finished<'_, T>) -> Result<(), Fault> {
     let mut out = stdout().lock();
     if args.json {

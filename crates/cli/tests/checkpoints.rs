@@ -322,8 +322,8 @@ fn a_checkpoint_of_another_run_is_refused_in_words() {
             "tolerance 1e-12, this run has 1e-9",
         ),
         (
-            &["--reach", "refuse"],
-            "with --reach within-error, this run has refuse",
+            &["--alpha-policy", "refuse"],
+            "with --alpha-policy within-error, this run has refuse",
         ),
         (&["--until", "-9"], "--until"),
     ] {

@@ -206,8 +206,8 @@ fn options_that_change_nothing_are_named() {
             "--no-compare has no effect: there is no --plot",
         ),
         (
-            &["--reach", "refuse", "--method", "gauss"],
-            "--reach has no effect",
+            &["--alpha-policy", "refuse", "--method", "gauss"],
+            "--alpha-policy has no effect",
         ),
     ] {
         let output = equip(&[&["run", "kepler", "--until", "1"][..], options].concat());

@@ -1,6 +1,6 @@
 //! One step at a time, with a user-defined invariant. An uncorrected step ends the run with an error.
 
-use equip::integrate::Reach;
+use equip::integrate::AlphaPolicy;
 use equip::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let method = Equip::stages(3)
         .step(0.25)
         .invariant(Invariant::new("angular momentum", momentum)) // not kept by this H: the certificate shows it
-        .reach(Reach::Refuse);
+        .alpha_policy(AlphaPolicy::Refuse);
     let mut steps = method.start(&henon_heiles, &[0.0, 0.3], &[0.42, 0.0], 0.0)?;
     for step in steps.by_ref().take(10) {
         let step = step?;

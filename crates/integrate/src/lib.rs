@@ -22,7 +22,7 @@ mod time;
 pub use checkpoints::checkpoint::Checkpoint;
 pub use dense::trajectory::Trajectory;
 pub use equip_solver::{
-    Alphas, Counts, Family, Invariant, MAX_STAGES, Outcome, Preconditioner, Reach,
+    AlphaPolicy, Alphas, Counts, Family, Invariant, MAX_STAGES, Outcome, Preconditioner,
 };
 pub use error::IntegrateError;
 pub use options::event::{Direction, Event, Occurrence};

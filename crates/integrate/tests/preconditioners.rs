@@ -280,7 +280,7 @@ fn a_kept_factorisation_serves_for_many_steps() {
     assert_eq!(
         (
             frozen.factorisations,
-            frozen.taken_over,
+            frozen.preconditioner_changes,
             frozen.fixed_point_iterations
         ),
         (0, 0, 0)
@@ -292,11 +292,14 @@ fn a_kept_factorisation_serves_for_many_steps() {
 fn the_cheapest_that_contracts_is_taken() {
     let soft = ("fput-beta", [].as_slice(), (1, 10));
     let c = counted(soft, Equip::stages(4), Preconditioner::Automatic);
-    assert_eq!((c.newton_iterations, c.taken_over), (0, 0));
+    assert_eq!((c.newton_iterations, c.preconditioner_changes), (0, 0));
     // Springs: no linear system, and fixed-point iteration is tried again after 1, 2, 4, … steps.
     let c = counted(STIFF[1], Gauss::stages(4), Preconditioner::Automatic);
     println!("{c:?}");
-    assert!(c.taken_over > 0 && c.taken_over <= 7, "{c:?}");
+    assert!(
+        c.preconditioner_changes > 0 && c.preconditioner_changes <= 7,
+        "{c:?}"
+    );
     assert_eq!(
         (c.factorisations, c.simplified_factorisations, c.halvings),
         (0, 0, 0)

@@ -58,7 +58,7 @@ fn it_is_the_derivative_of_the_step_map() {
         println!("{method}: {worst:.1e}");
         // Gauss: measured 4e-21, the error of the difference. EQUIP: what the turn of the direction adds.
         assert!(worst < bound);
-        // EQUIP: deviations conserve the energy, ∇H·δ.
+        // EQUIP: tangent vectors conserve the energy, ∇H·δ.
         let view = run.view();
         let [before, after] = [(&*q, &*p), (view.q, view.p)].map(|(q, p)| {
             let mut gradient = vec![D::int(0); 4];
@@ -205,7 +205,7 @@ fn a_followed_run_has_the_same_steps_and_is_resumed_bit_for_bit() {
     assert!(matches!(
         failure.error,
         IntegrateError::CheckpointMismatch {
-            what: "deviation",
+            what: "tangent vector",
             ..
         }
     ));
@@ -225,15 +225,15 @@ fn steps_that_fixed_point_iteration_does_not_solve_are_followed_too() {
         .start(&h, &[1.0], &[0.0], 0.0)
         .unwrap();
     let mut tangent = TangentMap::new(&h, &mut run);
-    let mut deviation = vec![1.0, 0.0];
+    let mut tangent_vector = vec![1.0, 0.0];
     for _ in 0..5 {
         run.advance().unwrap();
-        tangent.propagate(&run, &mut deviation).unwrap();
+        tangent.propagate(&run, &mut tangent_vector).unwrap();
     }
     // The tangent map of a linear system is its step.
-    let error = (deviation[0] - run.view().q[0])
+    let error = (tangent_vector[0] - run.view().q[0])
         .abs()
-        .max((deviation[1] - run.view().p[0]).abs() / omega);
+        .max((tangent_vector[1] - run.view().p[0]).abs() / omega);
     println!("{error:.1e}");
     assert!(error < 1e-13);
 }
@@ -241,7 +241,7 @@ fn steps_that_fixed_point_iteration_does_not_solve_are_followed_too() {
 /// Beside the error of the states: that of their derivatives in the direction of the initial momentum, along
 /// which the period changes most.
 #[test]
-fn deviations_are_as_accurate_as_states() {
+fn tangent_vectors_are_as_accurate_as_states() {
     let scene = equip_scenes::find("kepler").unwrap();
     let scene = scene.instance(&[("e", "0.6")]).unwrap();
     let h = scene.hamiltonian();
@@ -268,7 +268,7 @@ fn deviations_are_as_accurate_as_states() {
     for method in [Gauss::stages(4), Equip::stages(4), Equip::stages(6)] {
         let found = run(method, 1);
         let (state, tangent) = (apart(&found.0, &exact.0), apart(&found.1, &exact.1));
-        println!("{method}: states {state:.1e}, deviations {tangent:.1e}");
+        println!("{method}: states {state:.1e}, tangent vectors {tangent:.1e}");
         assert!(
             tangent <= 3.0 * state + 1e-12,
             "{method}: {tangent:e}, {state:e}"

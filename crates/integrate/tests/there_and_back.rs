@@ -1,4 +1,4 @@
-//! `advance_to`, forward and back: times are met, the start is found again, deviations come along.
+//! `advance_to`, forward and back: times are met, the start is found again, tangent vectors come along.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
@@ -253,24 +253,24 @@ fn the_tangent_map_comes_along_in_one_call() {
 }
 
 #[test]
-fn steps_that_deviations_missed_are_said() {
+fn steps_that_tangent_vectors_missed_are_said() {
     let (h, q, p) = (particle(), [0.8, -0.3], [0.2, 0.6]);
     let mut run = Equip::stages(4).step(0.1).start(&h, &q, &p, 0.0).unwrap();
     let mut tangent = TangentMap::new(&h, &mut run);
-    let mut deviation = [1.0, 0.0, 0.0, 0.0];
+    let mut tangent_vector = [1.0, 0.0, 0.0, 0.0];
     run.advance().unwrap();
-    tangent.propagate(&run, &mut deviation).unwrap();
+    tangent.propagate(&run, &mut tangent_vector).unwrap();
     run.advance_to(1.0).unwrap();
-    let error = tangent.propagate(&run, &mut deviation).unwrap_err();
+    let error = tangent.propagate(&run, &mut tangent_vector).unwrap_err();
     assert_eq!(error, IntegrateError::StepsNotFollowed { steps: 9 });
     let error = tangent
-        .advance_to(&mut run, 2.0, &mut deviation)
+        .advance_to(&mut run, 2.0, &mut tangent_vector)
         .unwrap_err();
     assert_eq!(error, IntegrateError::StepsNotFollowed { steps: 9 });
     // Begun anew the run has none that were missed.
     run.restart(&q, &p, 0.0).unwrap();
     run.advance().unwrap();
-    tangent.propagate(&run, &mut deviation).unwrap();
+    tangent.propagate(&run, &mut tangent_vector).unwrap();
 }
 
 #[test]

@@ -305,7 +305,7 @@ fn steppers_start_are_moved_and_start_again() {
     run.restart(&[q], &[p], 2.0).unwrap();
     let there = run.advance_to(6.0).unwrap().q[0];
     assert!((there - exact(6.0)[0]).abs() < 1e-12);
-    // A deviation of (q, p), and ones of (q, t, p, p_t): the start may be at another time.
+    // A tangent vector of (q, p), and ones of (q, t, p, p_t): the start may be at another time.
     let mut run = Equip::stages(6)
         .step(0.1)
         .start(&h, &[0.0], &[0.0], 0.0)

@@ -26,7 +26,7 @@ pub use equip_iterate::{MAX_STAGES, PowerIteration, State, stride_for};
 pub use memory::SolverMemory;
 pub use options::family::{Alphas, Family};
 pub use options::invariant::Invariant;
-pub use options::step_options::{Preconditioner, Reach, StepOptions};
+pub use options::step_options::{AlphaPolicy, Preconditioner, StepOptions};
 pub use outcome::failure::{Damaged, Failure};
 pub use outcome::outcome::{Counts, Outcome};
 pub use outcome::parts::Part;

@@ -140,7 +140,7 @@ impl<T: Float> StepTangent<T> {
         }
     }
 
-    pub(crate) fn propagate_part(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
+    pub(crate) fn propagate_part(&mut self, tangent_vector: &mut [T]) -> Result<(), Failure<T>> {
         if !self.is_finite {
             return Err(Failure::NotFinite);
         }
@@ -157,7 +157,7 @@ impl<T: Float> StepTangent<T> {
                 self.v.fill(T::int(0));
             }
         }
-        for (row, &x) in self.r.chunks_exact_mut(stride).zip(&*deviation) {
+        for (row, &x) in self.r.chunks_exact_mut(stride).zip(&*tangent_vector) {
             row[..s].fill(x);
         }
         while !self.solve(T::int(4) * T::EPSILON) {
@@ -166,12 +166,12 @@ impl<T: Float> StepTangent<T> {
             }
             self.is_made = false;
         }
-        let before = dot(&self.gradients[..n], deviation);
-        for (x, &sum) in deviation.iter_mut().zip(self.linear.sums()) {
+        let before = dot(&self.gradients[..n], tangent_vector);
+        for (x, &sum) in tangent_vector.iter_mut().zip(self.linear.sums()) {
             *x += sum;
         }
-        let changed = dot(&self.gradients[n..], deviation) - before;
-        for (x, &v) in deviation.iter_mut().zip(&self.v) {
+        let changed = dot(&self.gradients[n..], tangent_vector) - before;
+        for (x, &v) in tangent_vector.iter_mut().zip(&self.v) {
             *x -= v * changed;
         }
         Ok(())

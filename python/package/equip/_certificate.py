@@ -74,7 +74,7 @@ class Counts:
     #: Iterations with a preconditioner.
     newton_iterations: int
     #: Restarts of the iteration of a step with another preconditioner.
-    taken_over: int
+    preconditioner_changes: int
     #: Factorisations of full Newton (∇²H at all stages) and of simplified Newton (one ∇²H).
     factorisations: int
     simplified_factorisations: int
@@ -94,7 +94,7 @@ class Counts:
     #: Steps whose outputs have only order s, because the iteration for the 2s stages failed.
     coarse_outputs: int
     #: Discontinuities at which a step, or a part of a fixed step, ended.
-    switches_crossed: int
+    discontinuities_crossed: int
 
 
 @dataclass(frozen=True)

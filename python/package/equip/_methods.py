@@ -25,7 +25,7 @@ def _options(family: str, stages: int, preconditioner: str) -> dict[str, Any]:
         "family": family,
         "stages": whole(stages, "stages", 1 if family == "gauss" else 2, MOST_STAGES),
         "alpha": (0.0, 0.0),
-        "reach": "within error",
+        "alpha_policy": "within error",
         "alpha_bound": 0.05,
         "preconditioner": chosen("preconditioner", preconditioner, _PRECONDITIONERS),
     }
@@ -41,7 +41,7 @@ class Equip:
         s, from 2 to 32.
     alphas
         Which α_k are free: "all", or the "last" one only.
-    reach
+    alpha_policy
         Limit on the change of the end point caused by α. "within error": if the change would be much larger
         than the local error, the step is left uncorrected. "always": no limit. "refuse": the run ends with an
         error where "within error" would leave a step uncorrected.
@@ -53,15 +53,19 @@ class Equip:
 
     stages: int = 8
     alphas: Literal["all", "last"] = "all"
-    reach: Literal["within error", "always", "refuse"] = "within error"
+    alpha_policy: Literal["within error", "always", "refuse"] = "within error"
     alpha_bound: float = 0.05
     preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
 
     def _options(self) -> dict[str, Any]:
         family = "equip" if chosen("alphas", self.alphas, ("all", "last")) == "all" else "equip-last"
         options = _options(family, self.stages, self.preconditioner)
-        reach = chosen("reach", self.reach, ("within error", "always", "refuse"))
-        return {**options, "reach": reach, "alpha_bound": number(self.alpha_bound, "alpha_bound")}
+        alpha_policy = chosen("alpha_policy", self.alpha_policy, ("within error", "always", "refuse"))
+        return {
+            **options,
+            "alpha_policy": alpha_policy,
+            "alpha_bound": number(self.alpha_bound, "alpha_bound"),
+        }
 
 
 @dataclass(frozen=True)

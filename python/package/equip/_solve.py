@@ -21,10 +21,10 @@ from ._terminate import terminating
 #: Tolerances taken when neither a step nor a tolerance is given.
 _TOLERANCE = {"f64": 1e-12, "dd": 1e-24}
 
-#: Share of its size by which a kept quantity may be off before the message of the run says so: 42 runs that
-#: keep L, L^3 or the Laplace-Runge-Lenz vector of three systems (s = 4, 6, 8) are off by less than 1e-11,
-#: 16 that were to keep what is not conserved by more than 1e-2.
-_NOT_KEPT = 1e-9
+#: Relative error of a conserved quantity from which the message of the run names it: 42 runs that
+#: conserve L, L^3 or the Laplace-Runge-Lenz vector of three systems (s = 4, 6, 8) have errors below 1e-11;
+#: 16 runs with quantities that no motion conserves have errors above 1e-2.
+_NOT_CONSERVED = 1e-9
 
 
 def _errors(of: Any, shape: Shape, name: str) -> Optional[tuple[list[float], list[float]]]:
@@ -346,7 +346,7 @@ def _check_end(found: dict[str, Any], path: Optional[str], start: float, end: fl
 
 
 def _not_kept(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any]) -> str:
-    """Which quantities of `preserve` were not kept, in words; empty if all were."""
+    """Which quantities of `preserve` were not conserved, in words; empty if all were."""
     y = found["y"][0].reshape(-1, 2, h.degrees_of_freedom)
     t = found["t"][0]
     texts = []
@@ -357,7 +357,7 @@ def _not_kept(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any]) -> s
         slopes = quantity.gradient(q[[0, -1]], p[[0, -1]], t[[0, -1]] if quantity.has_time else None)
         terms = np.abs(np.stack(slopes, axis=1).reshape(2, -1) * y[[0, -1]].reshape(2, -1))
         size = max(abs(defect[1]), float(terms.sum(axis=1).max()))
-        if not off <= _NOT_KEPT * size:
+        if not off <= _NOT_CONSERVED * size:
             texts.append(f"{name} was not conserved: its error is up to {off:.2g}")
     return "; ".join(texts)
 

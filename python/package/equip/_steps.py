@@ -121,17 +121,19 @@ class Steps:
         return Certificate._of(self._native.certificate())
 
     @property
-    def deviations(self) -> Floats:
+    def tangent_vectors(self) -> Floats:
         """The propagated tangent vectors (δq, δp), flat, (k, 2m). You may set them, for instance to normalise
         them."""
-        return self._native.deviations().reshape(-1, 2 * int(np.prod(self._shape)))
+        return self._native.tangent_vectors().reshape(-1, 2 * int(np.prod(self._shape)))
 
-    @deviations.setter
-    def deviations(self, deviations: Any) -> None:
-        given = _deviations(deviations)
-        if given.shape != self.deviations.shape:
-            raise ValueError(f"deviations have shape {given.shape}; they must keep {self.deviations.shape}")
-        self._native.set_deviations(given.ravel().tolist())
+    @tangent_vectors.setter
+    def tangent_vectors(self, tangent_vectors: Any) -> None:
+        given = _tangent_vectors(tangent_vectors)
+        if given.shape != self.tangent_vectors.shape:
+            raise ValueError(
+                f"tangent_vectors have shape {given.shape}; they must keep {self.tangent_vectors.shape}"
+            )
+        self._native.set_tangent_vectors(given.ravel().tolist())
 
     def restart(self, q0: Any, p0: Any, t0: float = 0.0) -> None:
         """Begins a new run and reuses the preparations of this one. The new run has the same bits as a run
@@ -159,14 +161,14 @@ class Steps:
         self._native.set_state(state(q, self._shape, "q")[0], state(p, self._shape, "p")[0])
 
 
-def _deviations(deviations: Any) -> Floats:
-    """Deviations as finite numbers."""
+def _tangent_vectors(tangent_vectors: Any) -> Floats:
+    """Tangent vectors as finite numbers."""
     try:
-        given = np.asarray(deviations, dtype=float)
+        given = np.asarray(tangent_vectors, dtype=float)
     except (TypeError, ValueError):
-        raise ValueError("deviations must be an array of numbers, (k, 2m) or (2m,)") from None
+        raise ValueError("tangent_vectors must be an array of numbers, (k, 2m) or (2m,)") from None
     if not np.isfinite(given).all():
-        raise ValueError("deviations have entries that are not finite; give finite numbers")
+        raise ValueError("tangent_vectors have entries that are not finite; give finite numbers")
     return given
 
 
@@ -179,7 +181,7 @@ def steps(
     method: Method = Equip(stages=8),
     step: Optional[float] = None,
     tolerance: Optional[float] = None,
-    deviations: Any = None,
+    tangent_vectors: Any = None,
     events: Union[None, Event, Sequence[Event]] = None,
     invariants: Optional[Mapping[str, Function]] = None,
     preserve: Optional[Mapping[str, Function]] = None,
@@ -216,9 +218,9 @@ def steps(
         Of variable steps: `rtol` replaces `tolerance`, component by component; `atol` is an absolute error
         that is always allowed. A number, or a pair for positions and momenta of numbers or arrays of their
         shape.
-    deviations
+    tangent_vectors
         Tangent vectors (δq, δp), flat, (k, 2m) or (2m,), propagated by the tangent map of the steps;
-        `Steps.deviations` has them.
+        `Steps.tangent_vectors` has them.
     events
         Functions g(t, q, p) whose roots are located, as in `equip.solve`, also between the ends of steps;
         `Step.events` has the roots. An attribute `then`, a function of (t, q, p) that returns (q, p), changes
@@ -253,17 +255,22 @@ def steps(
         measure_energy=measure_energy,
     )
     n = 2 * int(np.prod(h.shape))
-    propagated = np.empty((0, n)) if deviations is None else np.atleast_2d(_deviations(deviations))
+    propagated = (
+        np.empty((0, n)) if tangent_vectors is None else np.atleast_2d(_tangent_vectors(tangent_vectors))
+    )
     if propagated.ndim != 2 or propagated.shape[1] != n:
         raise ValueError(
-            f"deviations have shape {propagated.shape}; they must have (k, {n}): δq and δp, flat, in each row"
+            f"tangent_vectors have shape {propagated.shape}; they must have (k, {n}): δq and δp, flat, in "
+            "each row"
         )
     given["events"] = events_of(events, h.shape)
     changes = changes_of(given["events"])
     if any(terminal for _, _, _, terminal, _ in given["events"]):
         raise ValueError("events of equip.steps do not end a run: omit terminal, and break out of the loop")
     if changes and propagated.size:
-        raise ValueError("events that change the state are not available with deviations: omit one of them")
+        raise ValueError(
+            "events that change the state are not available with tangent vectors: omit one of them"
+        )
     (q, _), (p, _) = state(q0, h.shape, "q0"), state(p0, h.shape, "p0")
     native = _native.Steps(h._recorded, q, p, number(t0, "t0"), given, propagated.ravel().tolist())
     return Steps(native, h.shape, changes)

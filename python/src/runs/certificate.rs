@@ -57,7 +57,7 @@ pub(crate) fn certificate<'py, T: Float>(
         ("uncorrected", counts.uncorrected()),
         ("fixed_point_iterations", counts.fixed_point_iterations),
         ("newton_iterations", counts.newton_iterations),
-        ("taken_over", counts.taken_over),
+        ("preconditioner_changes", counts.preconditioner_changes),
         ("factorisations", counts.factorisations),
         (
             "simplified_factorisations",
@@ -72,7 +72,10 @@ pub(crate) fn certificate<'py, T: Float>(
         ("halvings", counts.halvings),
         ("output_steps", certificate.output_steps),
         ("coarse_outputs", certificate.coarse_outputs),
-        ("switches_crossed", certificate.switches_crossed),
+        (
+            "discontinuities_crossed",
+            certificate.discontinuities_crossed,
+        ),
     ];
     for (name, count) in all {
         dict.set_item(name, count)?;

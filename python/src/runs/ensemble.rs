@@ -21,7 +21,7 @@ struct End {
     y: Vec<f64>,
     energy_error: f64,
     steps: u64,
-    is_kept: bool,
+    is_conserved: bool,
     /// Lyapunov exponent and MEGNO.
     chaos: [f64; 2],
 }
@@ -34,7 +34,7 @@ impl End {
             y: vec![f64::NAN; n],
             energy_error: f64::NAN,
             steps: 0,
-            is_kept: false,
+            is_conserved: false,
             chaos: [f64::NAN; 2],
         }
     }
@@ -105,7 +105,7 @@ fn end(run: &Run<f64>) -> End {
         y: [q, p].concat(),
         energy_error: certificate.energy.as_ref().map_or(f64::NAN, |e| e.max),
         steps: certificate.counts.steps,
-        is_kept: certificate.energy_conserved_on_every_step(),
+        is_conserved: certificate.energy_conserved_on_every_step(),
         chaos: (certificate.chaos).map_or([f64::NAN; 2], |chaos| [chaos.lyapunov, chaos.megno]),
     }
 }
@@ -125,8 +125,8 @@ fn table(py: Python<'_>, n: usize, rows: Vec<Option<Row>>) -> PyResult<Bound<'_,
     dict.set_item("energy_error", numbers(|end| end.energy_error))?;
     let steps: Vec<i64> = ends.iter().map(|end| end.steps as i64).collect();
     dict.set_item("steps", steps.into_pyarray(py))?;
-    let kept: Vec<bool> = ends.iter().map(|end| end.is_kept).collect();
-    dict.set_item("kept", kept.into_pyarray(py))?;
+    let conserved: Vec<bool> = ends.iter().map(|end| end.is_conserved).collect();
+    dict.set_item("energy_conserved", conserved.into_pyarray(py))?;
     dict.set_item("lyapunov", numbers(|end| end.chaos[0]))?;
     dict.set_item("megno", numbers(|end| end.chaos[1]))?;
     dict.set_item("errors", errors)?;

@@ -1,4 +1,4 @@
-//! [`Steps`]: a run one step at a time, with deviations propagated.
+//! [`Steps`]: a run one step at a time, with tangent vectors propagated.
 
 use crate::faults::of_run;
 use crate::number::{Doubles, Pairs};
@@ -19,7 +19,7 @@ struct Run {
     hamiltonian: Hamiltonian,
     stepper: Stepper<f64>,
     tangent: Option<TangentMap<f64>>,
-    deviations: Vec<f64>,
+    tangent_vectors: Vec<f64>,
     events: Option<StepEvents<f64>>,
     /// The events of the steps of the last call.
     found: Vec<Occurrence<f64>>,
@@ -41,10 +41,10 @@ impl Run {
         Ok(())
     }
 
-    /// Deviations over the step made last, and the events within it.
+    /// Tangent vectors over the step made last, and the events within it.
     fn follow(&mut self) -> Result<(), IntegrateError<f64>> {
         if let Some(tangent) = &mut self.tangent {
-            tangent.propagate(&self.stepper, &mut self.deviations)?;
+            tangent.propagate(&self.stepper, &mut self.tangent_vectors)?;
         }
         if let Some(events) = &mut self.events {
             self.found
@@ -108,15 +108,15 @@ impl Steps {
         p: Vec<f64>,
         t: f64,
         options: Options,
-        deviations: Vec<f64>,
+        tangent_vectors: Vec<f64>,
     ) -> PyResult<Self> {
-        let deviations = whole(&system.hamiltonian, &deviations);
+        let tangent_vectors = whole(&system.hamiltonian, &tangent_vectors);
         let hamiltonian = system.hamiltonian.clone();
         let (events, integrator) = (options.events(), options.integrator()?);
         let begin = move || {
             let mut stepper = integrator.start(&hamiltonian, &q, &p, t)?;
             let tangent =
-                (!deviations.is_empty()).then(|| TangentMap::new(&hamiltonian, &mut stepper));
+                (!tangent_vectors.is_empty()).then(|| TangentMap::new(&hamiltonian, &mut stepper));
             let events = match events.is_empty() {
                 true => None,
                 false => Some(StepEvents::new(&hamiltonian, &mut stepper, &events)?),
@@ -125,7 +125,7 @@ impl Steps {
                 hamiltonian,
                 stepper,
                 tangent,
-                deviations,
+                tangent_vectors,
                 events,
                 found: Vec::new(),
             })
@@ -192,19 +192,19 @@ impl Steps {
             .or(|| run.stepper.set_state(&q, &p).map_err(of_run))
     }
 
-    /// Deviations, one after the other.
-    fn deviations<'py>(&self, py: Python<'py>) -> PyResult<Doubles<'py>> {
+    /// Tangent vectors, one after the other.
+    fn tangent_vectors<'py>(&self, py: Python<'py>) -> PyResult<Doubles<'py>> {
         let run = self.run(py)?;
         let m = run.hamiltonian.degrees_of_freedom();
         let kept = m - usize::from(run.hamiltonian.has_time());
-        let halves = run.deviations.chunks_exact(m);
+        let halves = run.tangent_vectors.chunks_exact(m);
         let visible: Vec<f64> = halves.flat_map(|half| half[..kept].to_vec()).collect();
         Ok(visible.into_pyarray(py))
     }
 
-    fn set_deviations(&self, py: Python<'_>, deviations: Vec<f64>) -> PyResult<()> {
+    fn set_tangent_vectors(&self, py: Python<'_>, tangent_vectors: Vec<f64>) -> PyResult<()> {
         let mut run = self.run(py)?;
-        run.deviations = whole(&run.hamiltonian, &deviations);
+        run.tangent_vectors = whole(&run.hamiltonian, &tangent_vectors);
         Ok(())
     }
 
@@ -215,12 +215,14 @@ impl Steps {
     }
 }
 
-/// Deviations (δq, δp) as the tangent map propagates them: with (δt, δp_t) = 0 where H depends on time.
-fn whole(hamiltonian: &Hamiltonian, deviations: &[f64]) -> Vec<f64> {
+/// Tangent vectors (δq, δp) as the tangent map propagates them: with (δt, δp_t) = 0 where H depends on time.
+fn whole(hamiltonian: &Hamiltonian, tangent_vectors: &[f64]) -> Vec<f64> {
     let m = hamiltonian.degrees_of_freedom();
     let kept = m - usize::from(hamiltonian.has_time());
-    let mut whole = vec![0.0; deviations.len() / kept * m];
-    let halves = whole.chunks_exact_mut(m).zip(deviations.chunks_exact(kept));
+    let mut whole = vec![0.0; tangent_vectors.len() / kept * m];
+    let halves = whole
+        .chunks_exact_mut(m)
+        .zip(tangent_vectors.chunks_exact(kept));
     halves.for_each(|(whole, half)| whole[..kept].copy_from_slice(half));
     whole
 }

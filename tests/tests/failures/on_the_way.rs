@@ -2,7 +2,7 @@
 
 use super::{kepler_failure_until, says};
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Alphas, Equip, Gauss, IntegrateError, Preconditioner, Reach};
+use equip_integrate::{AlphaPolicy, Alphas, Equip, Gauss, IntegrateError, Preconditioner};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, henon_heiles};
 
@@ -154,7 +154,7 @@ fn refuses<T: Float>() {
         .alphas(Alphas::Last)
         .step(T::ratio(1, 2))
         .max_halvings(0)
-        .reach(Reach::Refuse);
+        .alpha_policy(AlphaPolicy::Refuse);
     let interval = T::int(0)..=T::int(500);
     let failure = options.integrate(&h, &q, &p, interval).unwrap_err();
     let IntegrateError::NoAdmissibleAlpha {

@@ -1,7 +1,7 @@
 //! A case: all that a seed decides, and its run.
 
 use equip_integrate::{
-    Alphas, Counts, Equip, IntegrateError, Integrator, Outcome, Reach, RunFailure, StepView,
+    AlphaPolicy, Alphas, Counts, Equip, IntegrateError, Integrator, Outcome, RunFailure, StepView,
 };
 use equip_tests::{RandomSystem, Seeded, rate};
 use std::ops::ControlFlow;
@@ -12,7 +12,7 @@ pub(super) struct Case {
     pub(super) system: RandomSystem,
     pub(super) stages: usize,
     pub(super) alphas: Alphas,
-    pub(super) reach: Reach,
+    pub(super) alpha_policy: AlphaPolicy,
     pub(super) max_halvings: u32,
     /// Step times the fastest rate at the start.
     pub(super) h_omega: f64,
@@ -38,7 +38,7 @@ impl std::fmt::Display for Case {
         write!(
             f,
             "seed {seed}: {kind:?}, separable {separable}, m = {m}, s = {stages}, {alphas:?}, {steps} steps, h = {h:.3e}, hω = {h_omega:.1e}, halvings {max_halvings}, {:?}",
-            self.reach
+            self.alpha_policy
         )
     }
 }
@@ -60,10 +60,10 @@ impl Case {
             } else {
                 Alphas::All
             },
-            reach: if rng.once_in(6) {
-                Reach::Refuse
+            alpha_policy: if rng.once_in(6) {
+                AlphaPolicy::Refuse
             } else {
-                Reach::WithinError
+                AlphaPolicy::WithinError
             },
             max_halvings: [3, 3, 3, 0, 1, 2][rng.below(6)],
             h_omega,
@@ -77,7 +77,7 @@ impl Case {
         Equip::stages(self.stages)
             .alphas(self.alphas)
             .step(self.h)
-            .reach(self.reach)
+            .alpha_policy(self.alpha_policy)
             .max_halvings(self.max_halvings)
     }
 }

@@ -1,7 +1,7 @@
 //! What a run must keep to: its work, and what it says of the energy.
 
 use super::case::{Case, Ran};
-use equip_integrate::{Outcome, Reach};
+use equip_integrate::{AlphaPolicy, Outcome};
 use equip_scalar::{DoubleDouble, Float};
 
 /// No more work than the options allow: every step and every part of a halved one is tried with two norms
@@ -91,7 +91,7 @@ pub(super) fn energy_is_as_claimed(case: &Case, ran: &Ran) -> f64 {
             }
         } else {
             assert!(seen.outcome.is_uncorrected());
-            assert_eq!(case.reach, Reach::WithinError);
+            assert_eq!(case.alpha_policy, AlphaPolicy::WithinError);
         }
         assert!(
             seen.alphas.iter().all(|a| a.abs() <= 0.05 * (1.0 + 1e-12)),

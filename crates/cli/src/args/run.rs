@@ -109,7 +109,7 @@ pub(crate) struct RunArgs {
         default_value = "within-error",
         help_heading = "Method"
     )]
-    pub(crate) reach: ReachName,
+    pub(crate) alpha_policy: AlphaPolicyName,
     /// Propagate a tangent vector and print the largest Lyapunov exponent λ and MEGNO (2 for regular motion,
     /// λt/2 for chaotic motion). Adds two columns to --out and two panels to --plot
     #[arg(long, visible_alias = "megno", help_heading = "Output")]
@@ -179,7 +179,7 @@ pub(crate) enum MethodName {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ReachName {
+pub(crate) enum AlphaPolicyName {
     WithinError,
     Always,
     Refuse,

@@ -3,7 +3,7 @@
 use crate::draw::page::{Cell, cell};
 use crate::fault::Fault;
 use crate::run::finished::largest_difference;
-use equip_integrate::{Alphas, Equip, Gauss, Method, Reach, Record, StepView};
+use equip_integrate::{AlphaPolicy, Alphas, Equip, Gauss, Method, Record, StepView};
 use equip_scalar::{DoubleDouble, Float, ratio};
 use equip_scenes::Instance;
 use serde::Serialize;
@@ -143,7 +143,10 @@ pub(super) fn run<T: Float>(
         figures.energies[period] = figures.energies[period].max(energy_error);
         ControlFlow::Continue(())
     };
-    let options = method.step(h).record(Record::Ends).reach(Reach::Always);
+    let options = method
+        .step(h)
+        .record(Record::Ends)
+        .alpha_policy(AlphaPolicy::Always);
     let run = options
         .integrate_observed(instance.hamiltonian(), &q, &p, T::int(0)..=end, &mut see)
         .map_err(|failure| Fault::start(failure.error))?;

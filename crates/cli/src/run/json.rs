@@ -77,7 +77,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         outcomes: outcomes,
         // Steps whose energy error was left, for whatever reason.
         uncorrected: counts.uncorrected(),
-        switches_crossed: certificate.switches_crossed,
+        discontinuities_crossed: certificate.discontinuities_crossed,
         energy_jumps: certificate.energy_jumps.map(|jumps| object! {
             count: jumps.count,
             largest: Number::new(jumps.largest),
@@ -89,7 +89,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         }),
         work: object! {
             fixed_point_iterations: counts.fixed_point_iterations,
-            taken_over: counts.taken_over,
+            preconditioner_changes: counts.preconditioner_changes,
             newton_iterations: counts.newton_iterations,
             factorisations: counts.factorisations,
             simplified_factorisations: counts.simplified_factorisations,

@@ -1,4 +1,4 @@
-//! The method that was asked for by name.
+//! The method requested by name.
 
 use crate::args::{MethodName, number};
 use crate::fault::Fault;

@@ -15,13 +15,13 @@ static CAUGHT: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 /// # Errors
 /// If the system does not allow it.
 pub(crate) fn catch() -> Result<(), Fault> {
-    let asked = Arc::new(AtomicBool::new(false));
+    let requested = Arc::new(AtomicBool::new(false));
     for &signal in ENDING {
-        flag::register_conditional_shutdown(signal, exit_code(signal).into(), asked.clone())
+        flag::register_conditional_shutdown(signal, exit_code(signal).into(), requested.clone())
             .map_err(refused)?;
     }
     for &signal in ENDING.iter().chain(TIME_LIMIT) {
-        flag::register(signal, asked.clone()).map_err(refused)?;
+        flag::register(signal, requested.clone()).map_err(refused)?;
         flag::register_usize(signal, CAUGHT.clone(), signal as usize).map_err(refused)?;
     }
     Ok(())

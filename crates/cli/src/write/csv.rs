@@ -2,7 +2,7 @@
 //!
 //! One header row `t,q1,…,qm,p1,…,pm,energy_error,outcome`, then one row per step kept. Numbers have as many
 //! digits as read back to the same number; all are in the units of the scene. The energy error is H − H_ref.
-//! Where a deviation is followed there are two more columns, `lyapunov,megno`, empty in the first row.
+//! Where a tangent vector is followed there are two more columns, `lyapunov,megno`, empty in the first row.
 
 use crate::fault::Fault;
 use crate::write::lock;

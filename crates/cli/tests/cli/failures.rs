@@ -64,7 +64,7 @@ fn a_path_that_cannot_be_written_is_named() {
 fn a_run_that_fails_keeps_what_it_made() {
     // One α at hω = 500: the run meets a step without a solution.
     let (out, plot) = (file("refused.csv"), file("refused.svg"));
-    let scene = "run fpu --omega 500 --method equip-last --stages 2 --step 1 --until 200 --reach refuse --json";
+    let scene = "run fpu --omega 500 --method equip-last --stages 2 --step 1 --until 200 --alpha-policy refuse --json";
     let mut arguments: Vec<_> = scene.split(' ').collect();
     arguments.extend([
         "--out",

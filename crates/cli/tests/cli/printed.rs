@@ -25,7 +25,7 @@ fn ended(program: Child) -> (Option<i32>, String) {
 fn a_closed_pipe_hides_no_fault() {
     for (arguments, words) in [
         (
-            "run kepler --reach refuse --step .5 --stages 2",
+            "run kepler --alpha-policy refuse --step .5 --stages 2",
             "no admissible α",
         ),
         ("run kepler --until 1 --out /dev/full", "cannot write all"),

@@ -23,8 +23,8 @@ fn run(home: &Path, more: &[&str]) -> (Option<i32>, String) {
 }
 
 #[test]
-fn a_run_with_a_deviation_does_not_go_on_without() {
-    let home = directory("deviation");
+fn a_run_with_a_tangent_vector_does_not_go_on_without() {
+    let home = directory("tangent_vector");
     assert_eq!(run(&home, &["--until", "2", "--lyapunov"]).0, Some(0));
     let (code, text) = run(&home, &["--until", "3"]);
     assert_eq!(code, Some(2), "{text}");

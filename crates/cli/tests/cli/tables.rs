@@ -211,7 +211,7 @@ fn variable_steps_follow_a_tolerance() {
 }
 
 #[test]
-fn a_deviation_is_followed() {
+fn a_tangent_vector_is_followed() {
     let (out, plot) = (file("chaos.csv"), file("chaos.svg"));
     let run = |energy: &str, q2: &str, more: &[&str]| {
         let common = [

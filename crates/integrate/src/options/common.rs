@@ -6,7 +6,7 @@ use crate::options::method::Method;
 use crate::options::record::Record;
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
-use equip_solver::{Family, Invariant, MAX_STAGES, Preconditioner, Reach, StepOptions};
+use equip_solver::{AlphaPolicy, Family, Invariant, MAX_STAGES, Preconditioner, StepOptions};
 use equip_tableau::{Coefficients, TableauError};
 
 /// The options that must agree with a checkpoint: names and values.
@@ -54,7 +54,7 @@ pub(crate) fn check<T: Float>(
 /// The options that do not concern the size of the steps.
 #[derive(Debug, Clone)]
 pub(crate) struct Options<T: Float> {
-    pub(crate) reach: Reach,
+    pub(crate) alpha_policy: AlphaPolicy,
     pub(crate) alpha_bound: T,
     pub(crate) max_halvings: u32,
     pub(crate) preconditioner: Preconditioner,
@@ -75,7 +75,7 @@ impl<T: Float> Default for Options<T> {
     fn default() -> Self {
         let step = StepOptions::new(1, Family::Gauss);
         Options {
-            reach: step.reach,
+            alpha_policy: step.alpha_policy,
             alpha_bound: step.alpha_bound,
             max_halvings: step.max_halvings,
             preconditioner: step.preconditioner,
@@ -122,7 +122,7 @@ impl<T: Float> Options<T> {
             check(alpha.is_finite(), "fixed_alpha", alpha, "finite")?;
         }
         Ok(StepOptions {
-            reach: self.reach,
+            alpha_policy: self.alpha_policy,
             alpha_bound: bound,
             max_halvings: halvings,
             preconditioner: self.preconditioner,
@@ -147,7 +147,7 @@ impl<T: Float> Options<T> {
             ("stages", method.stages.to_string()),
             ("method", method.family.to_string()),
             ("fixed α", alpha),
-            ("reach", format!("{:?}", self.reach)),
+            ("alpha_policy", format!("{:?}", self.alpha_policy)),
             ("alpha_bound", in_digits(self.alpha_bound)),
             ("max_halvings", self.max_halvings.to_string()),
             ("preconditioner", format!("{:?}", self.preconditioner)),

@@ -6,7 +6,7 @@ use crate::options::method::Method;
 use crate::options::record::Record;
 use crate::options::tolerance::Tolerance;
 use equip_scalar::Float;
-use equip_solver::{Invariant, Preconditioner, Reach};
+use equip_solver::{AlphaPolicy, Invariant, Preconditioner};
 
 /// A method with step sizes and options. [`Method::step`] gives fixed steps, [`Method::tolerance`] gives
 /// steps by a tolerance. Options are checked when a run starts. An option of the other kind of steps is an
@@ -68,11 +68,11 @@ impl<T: Float> Integrator<T> {
         self
     }
 
-    /// How far the α_k may change the end point of a step to conserve the energy; [`Reach::WithinError`] by
-    /// default.
+    /// How far the α_k may change the end point of a step to conserve the energy. The default is
+    /// [`AlphaPolicy::WithinError`].
     #[must_use]
-    pub fn reach(mut self, reach: Reach) -> Self {
-        self.options.reach = reach;
+    pub fn alpha_policy(mut self, alpha_policy: AlphaPolicy) -> Self {
+        self.options.alpha_policy = alpha_policy;
         self
     }
 

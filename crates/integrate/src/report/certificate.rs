@@ -30,7 +30,7 @@ pub struct Certificate<T> {
     /// The number of crossings of switches of H
     /// ([`Hamiltonian::switches`](equip_autodiff::Hamiltonian::switches)) at which a step, or a part of a
     /// step of the grid, ended. Switches whose effect is below the tolerance are ignored and not counted.
-    pub switches_crossed: u64,
+    pub discontinuities_crossed: u64,
     /// The crossings at which the value of H jumps; `None` if there are none.
     pub energy_jumps: Option<EnergyJumps<T>>,
     /// The time at the start.
@@ -118,10 +118,10 @@ impl<T: Float> Certificate<T> {
                 );
             }
         }
-        if self.switches_crossed > 0 {
+        if self.discontinuities_crossed > 0 {
             line(
                 "discontinuities",
-                format!("{} crossed", self.switches_crossed),
+                format!("{} crossed", self.discontinuities_crossed),
             );
         }
         if let Some(EnergyJumps { count, largest }) = self.energy_jumps {
@@ -225,10 +225,10 @@ impl<T: Float> Certificate<T> {
                 ),
             );
         }
-        if counts.taken_over > 0 {
+        if counts.preconditioner_changes > 0 {
             line(
                 "preconditioner changed",
-                format!("{} times", counts.taken_over),
+                format!("{} times", counts.preconditioner_changes),
             );
         }
         if counts.directions > 0 {

@@ -31,7 +31,7 @@ pub(crate) struct Measured<T: Float> {
     pub(crate) phase_per_step: Option<PhasePerStep<T>>,
     frequency: Frequency<T>,
     /// The number of crossings of discontinuities at which a step, or a part of a step, ended.
-    pub(crate) switches_crossed: u64,
+    pub(crate) discontinuities_crossed: u64,
     pub(crate) energy_jumps: Option<EnergyJumps<T>>,
     /// The statistics of variable steps.
     pub(crate) variable: Option<VariableSteps<T>>,
@@ -72,7 +72,7 @@ impl<T: Float> Measured<T> {
             alpha_range: vec![(zero, zero); alphas],
             phase_per_step: None,
             frequency: Frequency::new(system),
-            switches_crossed: 0,
+            discontinuities_crossed: 0,
             energy_jumps: None,
             variable: None,
         }
@@ -81,7 +81,7 @@ impl<T: Float> Measured<T> {
     /// Begins a new run from `y` at `t0`, where H is `h_ref` and its gradient is `gradient`.
     pub(crate) fn restart(&mut self, t0: T, h_ref: T, (y, gradient): (&[T], &[T])) {
         let zero = T::int(0);
-        (self.switches_crossed, self.energy_jumps) = (0, None);
+        (self.discontinuities_crossed, self.energy_jumps) = (0, None);
         self.alpha_range.fill((zero, zero));
         self.in_levels = self.is_solved.then_some(zero);
         let is_measured = self.is_solved || self.is_evaluated;
@@ -176,7 +176,7 @@ impl<T: Float> Measured<T> {
 
     /// Records that a step, or a part of a step, ended on `count` discontinuities, where H jumps by `jump`.
     pub(crate) fn cross(&mut self, count: u64, jump: Option<T>) {
-        self.switches_crossed += count;
+        self.discontinuities_crossed += count;
         if let Some(jump) = jump {
             self.energy_jumps = Some(EnergyJumps::after(self.energy_jumps, jump));
         }

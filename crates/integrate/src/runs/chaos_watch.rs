@@ -23,7 +23,7 @@ pub(crate) fn chaos_of_run<T: Float>(
     if follows != options.chaos {
         let word = |follows| if follows { "followed" } else { "none followed" };
         return Err(IntegrateError::CheckpointMismatch {
-            what: "deviation",
+            what: "tangent vector",
             stored: word(follows).to_owned(),
             now: word(options.chaos).to_owned(),
         });

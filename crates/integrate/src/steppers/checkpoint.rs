@@ -163,7 +163,8 @@ fn remember_measured<T: Float>(measured: &mut Measured<T>, memory: &mut Memory<'
         let angle = angle.to_f64();
         PhasePerStep { angle, step }
     });
-    measured.switches_crossed = memory.count::<T>("the discontinuities", measured.switches_crossed);
+    measured.discontinuities_crossed =
+        memory.count::<T>("the discontinuities", measured.discontinuities_crossed);
     let count = measured.energy_jumps.map_or(0, |jumps| jumps.count);
     let count = memory.count::<T>("the number of jumps of H", count);
     let largest = measured.energy_jumps.map(|jumps| [jumps.largest]);

@@ -57,7 +57,7 @@ impl<T: Float> InParts<T> for Substeps<T> {
         self.parts.clear();
         (self.crossed, self.is_split) = (0, false);
         let measured = &run.measured;
-        let before = (measured.switches_crossed, measured.energy_jumps);
+        let before = (measured.discontinuities_crossed, measured.energy_jumps);
         let made = run.over_switches(self, h).and_then(|outcome| {
             run.check_domains((time + h) - run.time)?;
             Ok(outcome)
@@ -65,7 +65,7 @@ impl<T: Float> InParts<T> for Substeps<T> {
         if made.is_err() && self.is_split {
             run.y.copy_from(&self.start);
             let measured = &mut run.measured;
-            (measured.switches_crossed, measured.energy_jumps) = before;
+            (measured.discontinuities_crossed, measured.energy_jumps) = before;
             run.core.refuse();
         }
         run.time = time;

@@ -213,7 +213,7 @@ impl<T: Float> Integration<T> {
                 None => self.mean_step(),
             },
             variable_steps: measured.variable,
-            switches_crossed: measured.switches_crossed,
+            discontinuities_crossed: measured.discontinuities_crossed,
             energy_jumps: measured.energy_jumps,
             start: self.t0,
             end: self.time,

@@ -39,7 +39,7 @@ use equip_scalar::Float;
 #[derive(Debug)]
 pub struct Chaos<T: Float> {
     tangent: TangentMap<T>,
-    deviation: Vec<T>,
+    tangent_vector: Vec<T>,
     /// The time of the run, and the time covered since the initial tangent vector.
     time: T,
     elapsed: T,
@@ -51,17 +51,17 @@ pub struct Chaos<T: Float> {
 
 impl<T: Float> Chaos<T> {
     /// Follows `run` from now on.
-    pub(crate) fn of(system: &Hamiltonian, run: &mut Integration<T>, deviation: &[T]) -> Self {
+    pub(crate) fn of(system: &Hamiltonian, run: &mut Integration<T>, tangent_vector: &[T]) -> Self {
         let zero = T::int(0);
         let time = run.time;
         let n = 2 * system.degrees_of_freedom();
         let mut whole = vec![zero; n];
-        for (j, &x) in deviation.iter().enumerate() {
-            whole[visible::place(j, deviation.len() / 2, n)] = x;
+        for (j, &x) in tangent_vector.iter().enumerate() {
+            whole[visible::place(j, tangent_vector.len() / 2, n)] = x;
         }
         let mut chaos = Chaos {
             tangent: TangentMap::of(system, run),
-            deviation: whole,
+            tangent_vector: whole,
             time,
             elapsed: zero,
             growth: zero,
@@ -74,7 +74,7 @@ impl<T: Float> Chaos<T> {
 
     /// Propagates over the last step of `run`.
     pub(crate) fn see_step(&mut self, run: &Integration<T>) -> Result<(), IntegrateError<T>> {
-        self.tangent.propagate_over(run, &mut self.deviation)?;
+        self.tangent.propagate_over(run, &mut self.tangent_vector)?;
         let growth = self.normalise().ln();
         let (before, step) = (self.elapsed, (run.time - self.time).abs());
         let now = before + step;
@@ -88,9 +88,12 @@ impl<T: Float> Chaos<T> {
 
     /// Normalises δ to length 1. Returns its previous length.
     fn normalise(&mut self) -> T {
-        let squares = self.deviation.iter().fold(T::int(0), |sum, &x| sum + x * x);
+        let squares = self
+            .tangent_vector
+            .iter()
+            .fold(T::int(0), |sum, &x| sum + x * x);
         let length = squares.sqrt();
-        self.deviation.iter_mut().for_each(|x| *x /= length);
+        self.tangent_vector.iter_mut().for_each(|x| *x /= length);
         length
     }
 
@@ -113,8 +116,8 @@ impl<T: Float> Chaos<T> {
     }
 
     /// The tangent vector, normalised to length 1.
-    pub fn deviation(&self) -> &[T] {
-        &self.deviation
+    pub fn tangent_vector(&self) -> &[T] {
+        &self.tangent_vector
     }
 }
 
@@ -126,9 +129,9 @@ pub(crate) fn any_tangent_vector<T: Float>(n: usize) -> Vec<T> {
 impl<T: Float> Chaos<T> {
     /// Writes the tangent vector and its sums to a checkpoint, or reads them.
     pub(crate) fn remember(&mut self, memory: &mut Memory<'_>) {
-        memory.finite("the deviation", &mut self.deviation);
+        memory.finite("the tangent vector", &mut self.tangent_vector);
         let mut sums = [self.elapsed, self.growth, self.weighted, self.sum];
-        memory.finite("the sums of the deviation", &mut sums);
+        memory.finite("the sums of the tangent vector", &mut sums);
         [self.elapsed, self.growth, self.weighted, self.sum] = sums;
     }
 }

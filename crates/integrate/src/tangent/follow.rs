@@ -13,28 +13,28 @@ impl<T: Float> TangentMap<T> {
         Self::of(system, &mut run.inner)
     }
 
-    /// Advances `run` to the time `t`, forward or backward, and propagates the tangent vectors `deviations`,
+    /// Advances `run` to the time `t`, forward or backward, and propagates `tangent_vectors`,
     /// concatenated, over every step.
     ///
     /// # Errors
     /// The errors of `advance_to` of the run, and of [`propagate`](Self::propagate).
     ///
     /// # Panics
-    /// If the length of `deviations` is not a multiple of the length of a tangent vector.
+    /// If the length of `tangent_vectors` is not a multiple of the length of a tangent vector.
     pub fn advance_to(
         &mut self,
         run: &mut Stepper<T>,
         t: T,
-        deviations: &mut [T],
+        tangent_vectors: &mut [T],
     ) -> Result<(), IntegrateError<T>> {
         self.check_followed(&run.inner, 0)?;
         while run.advance_towards(t)? {
-            self.propagate(run, deviations)?;
+            self.propagate(run, tangent_vectors)?;
         }
         Ok(())
     }
 
-    /// Propagates the tangent vectors `deviations`, concatenated, over the last step of `run`.
+    /// Propagates `tangent_vectors`, concatenated, over the last step of `run`.
     ///
     /// # Errors
     /// [`IntegrateError::Singular`] if the linearised stage equations cannot be solved; Newton's method could
@@ -42,21 +42,21 @@ impl<T: Float> TangentMap<T> {
     /// steps since the last propagation.
     ///
     /// # Panics
-    /// If the length of `deviations` is not a multiple of the length of a tangent vector.
+    /// If the length of `tangent_vectors` is not a multiple of the length of a tangent vector.
     pub fn propagate(
         &mut self,
         run: &Stepper<T>,
-        deviations: &mut [T],
+        tangent_vectors: &mut [T],
     ) -> Result<(), IntegrateError<T>> {
-        self.propagate_over(&run.inner, deviations)
+        self.propagate_over(&run.inner, tangent_vectors)
     }
 }
 
 impl<T: Float> Chaos<T> {
-    /// Follows `run` from now on, with a tangent vector `deviation` of any length except zero (2m components,
+    /// Follows `run` from now on, with a `tangent_vector` of any length except zero (2m components,
     /// without time). `run` must belong to the same `system`.
-    pub fn new(system: &Hamiltonian, run: &mut Stepper<T>, deviation: &[T]) -> Self {
-        Self::of(system, &mut run.inner, deviation)
+    pub fn new(system: &Hamiltonian, run: &mut Stepper<T>, tangent_vector: &[T]) -> Self {
+        Self::of(system, &mut run.inner, tangent_vector)
     }
 
     /// Propagates over the last step of `run`.

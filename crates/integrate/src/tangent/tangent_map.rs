@@ -49,20 +49,24 @@ impl<T: Float> TangentMap<T> {
         }
     }
 
-    /// Propagates `deviations`, concatenated, over the last step of `run`.
+    /// Propagates `tangent_vectors`, concatenated, over the last step of `run`.
     pub(crate) fn propagate_over(
         &mut self,
         run: &Integration<T>,
-        deviations: &mut [T],
+        tangent_vectors: &mut [T],
     ) -> Result<(), IntegrateError<T>> {
         let n = self.step.components();
-        assert_eq!(deviations.len() % n, 0, "a deviation has 2m components");
+        assert_eq!(
+            tangent_vectors.len() % n,
+            0,
+            "a tangent vector has 2m components"
+        );
         self.check_followed(run, 1)?;
         self.propagated = run.index;
         for part in run.parts() {
             self.step.linearise(part);
-            for deviation in deviations.chunks_exact_mut(n) {
-                let propagated = self.step.propagate(deviation);
+            for tangent_vector in tangent_vectors.chunks_exact_mut(n) {
+                let propagated = self.step.propagate(tangent_vector);
                 let (time, step, halvings) = (part.time, part.h, 0);
                 propagated.map_err(|failure| match failure {
                     Failure::NotFinite => IntegrateError::NotFinite {

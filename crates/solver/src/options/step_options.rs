@@ -6,7 +6,7 @@ use equip_scalar::Float;
 /// How far the α_k may change the end point of a step to conserve the energy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[non_exhaustive]
-pub enum Reach {
+pub enum AlphaPolicy {
     /// At most by a small multiple of the local error. Otherwise the step is accepted with α = 0 and counted
     /// as uncorrected; a later step may remove its energy error.
     #[default]
@@ -48,7 +48,7 @@ pub struct StepOptions<T> {
     /// The index of the first free α_k, from 1; `None` if none is solved for.
     pub first_alpha: Option<usize>,
     /// How far the α_k may change the end point.
-    pub reach: Reach,
+    pub alpha_policy: AlphaPolicy,
     /// The largest admissible |α_k| (dimensionless).
     pub alpha_bound: T,
     /// How often a step whose stages do not converge may be halved.
@@ -74,7 +74,7 @@ impl<T: Float> StepOptions<T> {
                 Family::Equip(Alphas::Last) => Some(stages - 1),
                 _ => None,
             },
-            reach: Reach::default(),
+            alpha_policy: AlphaPolicy::default(),
             alpha_bound: T::ratio(1, 20),
             max_halvings: 10,
             preconditioner: Preconditioner::default(),

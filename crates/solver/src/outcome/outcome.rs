@@ -86,7 +86,7 @@ pub struct Counts {
     /// Preconditioned iterations.
     pub newton_iterations: u64,
     /// Restarts of the stages of a step with another or a recomputed preconditioner.
-    pub taken_over: u64,
+    pub preconditioner_changes: u64,
     /// Factorisations with ∇²H at all stages: a dense matrix of size s·2m, or s·m for H = T(p) + U(q).
     pub factorisations: u64,
     /// Complex systems factorised for one ∇²H: ⌈s/2⌉ for each preconditioner, of size 2m, or m for separable

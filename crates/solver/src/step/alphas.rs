@@ -13,7 +13,7 @@
 
 use crate::alpha::admissible::Bounds;
 use crate::equations::constraint::Constraint;
-use crate::options::step_options::Reach;
+use crate::options::step_options::AlphaPolicy;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
 use crate::policy::{FARTHEST, MOST_STALLS, SHARE, STALLED, STATE_ROUNDING};
@@ -64,7 +64,7 @@ impl<T: Float> Core<T> {
         if self.in_late_levels() <= T::int(STALLED) {
             return Ok(Outcome::AtRoundOff);
         }
-        if self.options.reach == Reach::Refuse {
+        if self.options.alpha_policy == AlphaPolicy::Refuse {
             return Err(Failure::NoAlpha);
         }
         Ok(reason)
@@ -157,7 +157,7 @@ impl<T: Float> Core<T> {
         let units = direction.motion.each_ref();
         let needed = units.map(|units| least(units, |c| c.residual));
         let own = units.map(|units| least(units, |c| c.residual - c.start_error));
-        let is_free = self.options.reach == Reach::Always;
+        let is_free = self.options.alpha_policy == AlphaPolicy::Always;
         Bounds::new(needed, own, solver.handed_on, is_free)
     }
 
@@ -169,7 +169,10 @@ impl<T: Float> Core<T> {
         next: &State<T>,
         bounds: &mut Bounds<T>,
     ) -> Result<(), Outcome> {
-        let (needed, is_free) = (bounds.needed, self.options.reach == Reach::Always);
+        let (needed, is_free) = (
+            bounds.needed,
+            self.options.alpha_policy == AlphaPolicy::Always,
+        );
         let size = solver.direction.largest_size(next);
         let is_rounding = needed[0] <= T::int(STATE_ROUNDING) * T::EPSILON * size;
         if !is_rounding && !bounds.is_small(needed) {

@@ -36,12 +36,12 @@ impl<T: Float> StepTangent<T> {
         (ready::<T>().linearise)(self, part);
     }
 
-    /// Propagates the tangent vector `deviation`, n components, over the linearised part.
+    /// Propagates `tangent_vector`, n components, over the linearised part.
     ///
     /// # Errors
     /// [`Failure::NotFinite`] or [`Failure::Singular`] if the linearised stage equations cannot be solved.
-    pub fn propagate(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
-        (ready::<T>().propagate)(self, deviation)
+    pub fn propagate(&mut self, tangent_vector: &mut [T]) -> Result<(), Failure<T>> {
+        (ready::<T>().propagate)(self, tangent_vector)
     }
 }
 

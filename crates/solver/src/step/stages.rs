@@ -77,7 +77,7 @@ impl<T: Float> Stages<T> {
             if solved.is_ok() || !self.choice.escalate() {
                 return solved;
             }
-            counts.taken_over += 1;
+            counts.preconditioner_changes += 1;
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::equations::constraint::Constraint;
 use crate::options::family::{Alphas, Family};
 use crate::options::invariant::Invariant;
-use crate::options::step_options::{Reach, StepOptions};
+use crate::options::step_options::{AlphaPolicy, StepOptions};
 use crate::outcome::outcome::Outcome;
 use crate::step::core::Core;
 use equip_autodiff::Hamiltonian;
@@ -22,11 +22,11 @@ fn far_kepler() -> Hamiltonian {
 fn core(
     h: &Hamiltonian,
     s: usize,
-    (reach, constraint): (Reach, Constraint<f64>),
+    (alpha_policy, constraint): (AlphaPolicy, Constraint<f64>),
     y: &[f64],
 ) -> Core<f64> {
     let options = StepOptions {
-        reach,
+        alpha_policy,
         ..StepOptions::new(s, Family::Equip(Alphas::All))
     };
     let mut evaluator = h.evaluator::<f64>();
@@ -44,11 +44,11 @@ fn rounding_is_not_refused() {
     let h = far_kepler();
     let start = [1000.7, 0.0, 0.0, (1.3_f64 / 0.7).sqrt()];
     let mut outcomes = [Vec::new(), Vec::new()];
-    for (reach, outcomes) in [Reach::WithinError, Reach::Refuse]
+    for (alpha_policy, outcomes) in [AlphaPolicy::WithinError, AlphaPolicy::Refuse]
         .into_iter()
         .zip(&mut outcomes)
     {
-        let mut core = core(&h, 2, (reach, Constraint::energy(4)), &start);
+        let mut core = core(&h, 2, (alpha_policy, Constraint::energy(4)), &start);
         let mut y = State::new(&start, &[]);
         let mut next = y.clone();
         for _ in 0..2000 {
@@ -68,7 +68,12 @@ fn rounding_is_not_refused() {
 fn a_step_that_fails_forgets_no_floor() {
     let h = far_kepler();
     let start = [1000.7, 0.0, 0.0, (1.3_f64 / 0.7).sqrt()];
-    let mut core = core(&h, 4, (Reach::WithinError, Constraint::energy(4)), &start);
+    let mut core = core(
+        &h,
+        4,
+        (AlphaPolicy::WithinError, Constraint::energy(4)),
+        &start,
+    );
     let y = State::new(&start, &[]);
     let mut next = y.clone();
     core.step(&y, 0.0, 0.01, &mut next).unwrap();
@@ -83,7 +88,12 @@ fn a_step_that_fails_forgets_no_floor() {
 fn a_step_that_fails_in_its_second_half_leaves_the_floors() {
     let h = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + (1.0 - q[0]).sqrt()).unwrap();
     let start = [0.0, 1.0];
-    let mut core = core(&h, 4, (Reach::WithinError, Constraint::energy(2)), &start);
+    let mut core = core(
+        &h,
+        4,
+        (AlphaPolicy::WithinError, Constraint::energy(2)),
+        &start,
+    );
     let y = State::new(&start, &[]);
     let mut next = y.clone();
     core.step(&y, 0.0, 0.01, &mut next).unwrap();
@@ -106,7 +116,7 @@ fn the_gradient_of_an_invariant_is_none_of_the_energy() {
     let mut iterations = [0; 2];
     let kept = [Constraint::energy(4), Constraint::invariant(&momentum, 4)];
     for (constraint, iterations) in kept.into_iter().zip(&mut iterations) {
-        let mut core = core(&h, 6, (Reach::WithinError, constraint), &start);
+        let mut core = core(&h, 6, (AlphaPolicy::WithinError, constraint), &start);
         let mut y = State::new(&start, &[]);
         let mut next = y.clone();
         for _ in 0..50 {

@@ -51,9 +51,9 @@ class Ensemble:
 
     @property
     def outcome(self) -> NDArray[np.str_]:
-        """The outcome of each run, (N,): "kept" if the energy was conserved on every step, else "finished";
-        "failed"; or "lost" if its worker died."""
-        ends = np.where(self.energy_conserved, "kept", np.where(np.isnan(self.t), "failed", "finished"))
+        """The outcome of each run, (N,): "conserved" if the energy was conserved on every step, else
+        "finished"; "failed"; or "lost" if its worker died."""
+        ends = np.where(self.energy_conserved, "conserved", np.where(np.isnan(self.t), "failed", "finished"))
         ends[self.lost] = "lost"
         return ends
 
@@ -173,7 +173,7 @@ def rows_of(found: dict[str, Any], shape: Shape) -> Ensemble:
         q=ends[:, 0],
         p=ends[:, 1],
         energy_error=found["energy_error"],
-        energy_conserved=found["kept"],
+        energy_conserved=found["energy_conserved"],
         steps=found["steps"],
         lyapunov=found["lyapunov"],
         megno=found["megno"],

@@ -188,26 +188,26 @@ def ensemble(
     if resume is not None:
         check_resume(resume, digest, q.shape, times[1])
     with ExitStack() as stack:
-        kept = None
+        stored = None
         if checkpoint is not None:
-            kept = stack.enter_context(closing(Checkpoint(checkpoint, digest)))
+            stored = stack.enter_context(closing(Checkpoint(checkpoint, digest)))
             stack.enter_context(terminating())
-        before = resume if kept is None else kept.read()
+        before = resume if stored is None else stored.read()
         rows = Rows(len(q), h.shape, before, output is not None)
         which = np.arange(len(q)) if before is None else before.lost
         show = stack.enter_context(_bar(len(which), progress))
-        if kept is not None:
-            stack.enter_context(kept.of(rows))
+        if stored is not None:
+            stack.enter_context(stored.of(rows))
         if executor is None:
-            at_once = max(len(which), 1) if kept is None else chunk
+            at_once = max(len(which), 1) if stored is None else chunk
             parts = made_here(task, which, (q, p), at_once, show)
         else:
             parts = made_elsewhere(executor, task, which, (q, p), chunk, show)
         with closing(parts):
             for numbers, made, is_lost in parts:
                 rows.take(numbers, made, is_lost)
-                if kept is not None:
-                    kept.write_if_due()
+                if stored is not None:
+                    stored.write_if_due()
         if show is not None:
             show(len(which))
         return rows.ensemble(digest)

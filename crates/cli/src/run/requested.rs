@@ -1,6 +1,6 @@
 //! Options that do not go together, and those that change nothing.
 
-use crate::args::{MethodName, ReachName, RunArgs};
+use crate::args::{AlphaPolicyName, MethodName, RunArgs};
 use crate::fault::Fault;
 use crate::text::say;
 use crate::write::checkpoint::unfinished;
@@ -58,8 +58,8 @@ fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
             "with --quiet nothing is printed, and there is no --out, --plot or --checkpoint",
         ),
         (
-            "--reach",
-            args.reach != ReachName::WithinError && !asks_for_energy,
+            "--alpha-policy",
+            args.alpha_policy != AlphaPolicyName::WithinError && !asks_for_energy,
             "this method does not solve for α",
         ),
     ];
