@@ -375,3 +375,24 @@ fn a_bracket_is_written_and_read() {
     let shorter = Hamiltonian::from_bytes(&bytes[..bytes.len() - 1]);
     assert!(matches!(shorter, Err(BytesError::Damaged { .. })));
 }
+
+/// B without the Jacobi identity may have an attracting equilibrium. There B∇H is a difference of numbers of
+/// order one, and its rounding is no motion.
+#[test]
+fn an_attracting_equilibrium() {
+    let h = Hamiltonian::of_state(3, |y| (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]) / 2).unwrap();
+    let h = h
+        .with_bracket(|y| vec![(0, 1, 1.0 + y[0]), (0, 2, 1.0.into())])
+        .unwrap();
+    let (q, p) = h.halves(&[0.3, -1.0, 0.9]);
+    for (stages, tolerance) in [(8, 1e-10), (8, 1e-12), (12, 1e-14)] {
+        let method = Equip::stages(stages).tolerance(tolerance).max_steps(500);
+        let run = method.integrate(&h, &q, &p, 0.0..=100.0).unwrap();
+        let (_, q, p) = run.last();
+        let found = [q[0], q[1].abs(), p[0].abs()];
+        let side = 0.95_f64.sqrt();
+        for (found, expected) in found.iter().zip([0.0, side, side]) {
+            assert!((found - expected).abs() < 1e-8, "{q:?} {p:?}");
+        }
+    }
+}

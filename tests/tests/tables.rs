@@ -3,9 +3,10 @@
 
 use cpu_time::ThreadTime;
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Equip, Gauss, IntegrateError, Run};
+use equip_integrate::{Equip, Event, Gauss, IntegrateError, Run};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tables::{Custom, Table, Table2};
+use std::ops::ControlFlow::Continue;
 
 /// −cos x at the ends of uniform intervals on [−4, 4], with a natural spline.
 fn cosine(intervals: u32) -> Hamiltonian {
@@ -317,6 +318,53 @@ fn a_table_may_be_far_from_the_origin() {
             let error = (q - ends[0].1).abs();
             let most = 1e3 * (tolerance + f64::EPSILON * offset);
             assert!(error < most, "{offset}, {tolerance:e}: {error:e}");
+        }
+    }
+}
+
+/// A fall from y0 with U = 2 q on [0, 40]: it meets the end of the table at √y0 and, bounced there, again after
+/// 2 √y0. The step that contains the end reaches beyond it.
+#[test]
+fn an_event_at_the_end_of_a_table() {
+    let x: Vec<f64> = (0..=20).map(|i| f64::from(2 * i)).collect();
+    let y: Vec<f64> = x.iter().map(|x| 2.0 * x).collect();
+    let v = Table::natural(&x, &y).unwrap();
+    let h = Hamiltonian::new(1, |q, p| p[0] * p[0] / 2 + v.at(q[0])).unwrap();
+    for start in [10.0_f64, 33.3] {
+        let meets = start.sqrt();
+        for method in [Equip::stages(4), Equip::stages(8), Gauss::stages(6)] {
+            for method in [method.step(1.0), method.tolerance(1e-10)] {
+                let end = || Event::new("end", |_, q: &[f64], _: &[f64]| q[0]).falling();
+                let falls = |event, until| {
+                    let run = method.clone().event(event).dense();
+                    run.integrate(&h, &[start], &[0.0], 0.0..=until)
+                };
+                let run = falls(end().terminal(), 20.0).unwrap();
+                assert!((run.last().0 - meets).abs() < 1e-12, "{:?}", run.last());
+                let bounces = end().then(|_, _, p| {
+                    p[0] = -p[0];
+                    Continue(())
+                });
+                let run = falls(bounces, 6.5 * meets).unwrap();
+                let times: Vec<f64> = run.events().iter().map(|event| event.time).collect();
+                assert_eq!(times.len(), 3);
+                for (time, k) in times.iter().zip([1.0, 3.0, 5.0]) {
+                    assert!((time - k * meets).abs() < 1e-11, "{times:?}");
+                }
+                // An event beyond the table comes too late, one that only watches ends nothing.
+                let beyond = Event::new("beyond", |_, q: &[f64], _: &[f64]| q[0] + 0.01).falling();
+                for event in [beyond.terminal(), end()] {
+                    let failure = falls(event, 20.0).unwrap_err();
+                    let outside = matches!(failure.error, IntegrateError::OutsideOfTable { .. });
+                    let partial = failure.partial.unwrap();
+                    assert!(
+                        outside && partial.last().1[0] >= 0.0,
+                        "{:?}",
+                        partial.last()
+                    );
+                    assert!(partial.events().is_empty());
+                }
+            }
         }
     }
 }

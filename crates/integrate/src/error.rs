@@ -161,6 +161,14 @@ pub enum IntegrateError<T: Float> {
         /// The component of ∇H.
         expected: T,
     },
+    /// A tangent vector is requested, and an event changes the state.
+    #[error(
+        "`chaos` cannot follow the event `{event}`, which changes the state: the derivative of the change is not known; omit one of them, or end the run at the event (`terminal`)"
+    )]
+    ChaosWithChange {
+        /// Name of the event.
+        event: String,
+    },
     /// An option has a value outside its range.
     #[error("option `{option}` is {value}; it must be {expected}")]
     Option {
@@ -229,7 +237,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// An event function, or its noise, changes sign too often.
     #[error(
-        "the event function `{event}` changes sign more often in the step at t = {time}, h = {step:e} than its rounding errors allow to resolve; give a smooth function whose rounding errors are small compared with its changes",
+        "the event function `{event}` changes sign more often in the step at t = {time}, h = {step:e} than a polynomial of the step resolves; take shorter steps (`step`, or `max_step`), a few for each root, or give a smooth function whose rounding errors are small compared with its changes",
         time = plain(*time))]
     EventTooRough {
         /// The name of the event.
@@ -277,7 +285,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The motion leaves a table of H that does not extrapolate.
     #[error(
-        "at t = {time} the argument of a table in H is {argument:e}, outside its range {first:e} to {last:e}; end the run earlier, extend the data, or extrapolate the table",
+        "at t = {time} the argument of a table in H is {argument:e}, outside its range {first:e} to {last:e}; end the run earlier (by a `terminal` event), extend the data, or extrapolate the table",
         time = plain(*time))]
     OutsideOfTable {
         /// The time of a stage or of the end of a step outside the table.

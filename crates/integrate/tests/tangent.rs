@@ -3,7 +3,7 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    ChaosIndicators, Checkpoint, Equip, Gauss, IntegrateError, Method, NoObserver, Observer,
+    ChaosIndicators, Checkpoint, Equip, Event, Gauss, IntegrateError, Method, NoObserver, Observer,
     StepView, TangentMap,
 };
 use equip_scalar::{DoubleDouble, Float};
@@ -274,4 +274,68 @@ fn tangent_vectors_are_as_accurate_as_states() {
             "{method}: {tangent:e}, {state:e}"
         );
     }
+}
+
+/// Across the plane q2 = 0, which the orbit does not leave, the motion is 100 times as fast as within it. The
+/// reference is DOP853 of SciPy 1.17.1, rtol 2.3e-14.
+#[test]
+fn tangent_vectors_faster_than_the_orbit() {
+    let h = Hamiltonian::new(2, |q, p| {
+        (p[0] * p[0] + p[1] * p[1]) / 2
+            + 0.005 * q[0] * q[0]
+            + 50.0 * q[1] * q[1] * (1.0 + 0.1 * q[0])
+    })
+    .unwrap();
+    let across = |longest: f64| {
+        let method = Equip::stages(8).tolerance(1e-12).max_step(longest);
+        let mut run = method.start(&h, &[1.0, 0.0], &[0.0; 2], 0.0).unwrap();
+        let mut tangent = TangentMap::new(&h, &mut run);
+        let mut vector = [0.0, 1.0, 0.0, 0.0];
+        tangent.advance_to(&mut run, 1.0, &mut vector).unwrap();
+        (vector, run.certificate().motion_is_resolved())
+    };
+    let (vector, is_resolved) = across(10.0);
+    assert!(!is_resolved && (vector[1] - REFERENCE[0]).abs() > 1e-3);
+    let (vector, is_resolved) = across(0.1);
+    assert!(is_resolved);
+    for (found, expected) in [vector[1], vector[3]].iter().zip(REFERENCE) {
+        assert!((found - expected).abs() < 1e-11, "{vector:?}");
+    }
+}
+
+const REFERENCE: [f64; 2] = [-0.4867212361321, 9.161128210067];
+
+/// At the upper equilibrium of a pendulum, where nothing limits the steps, λ = 1.
+#[test]
+fn chaos_at_an_equilibrium() {
+    let h = Hamiltonian::new(1, |q, p| p[0] * p[0] / 2 + q[0].cos()).unwrap();
+    let lyapunov = |longest: f64| {
+        let method = Equip::stages(8).tolerance(1e-12).max_step(longest).chaos();
+        let run = method.integrate(&h, &[0.0], &[0.0], 0.0..=100.0).unwrap();
+        let certificate = run.certificate();
+        (
+            certificate.chaos.unwrap().lyapunov,
+            certificate.motion_is_resolved(),
+        )
+    };
+    let (found, is_resolved) = lyapunov(1e3);
+    assert!(!is_resolved && (found - 1.0).abs() > 0.1, "{found}");
+    let (found, is_resolved) = lyapunov(1.0);
+    // δ grows like eᵗ after a time of order one.
+    assert!(is_resolved && (found - 1.0).abs() < 0.02, "{found}");
+}
+
+/// The derivative of the change is not known, and without it the exponent of a kicked rotor is 0.01 for 0.96.
+#[test]
+fn chaos_with_events_that_change_the_state() {
+    let h = Hamiltonian::new(1, |_, p| p[0] * p[0] / 2).unwrap();
+    let kick = Event::new("kick", |t: f64, _: &[f64], _: &[f64]| (t * 3.0).sin());
+    let kick = kick.then(|_, q, p| {
+        p[0] += q[0].sin();
+        ControlFlow::Continue(())
+    });
+    let method = Equip::stages(4).step(0.25).chaos().event(kick);
+    let failure = method.integrate(&h, &[0.3], &[0.2], 0.0..=5.0).unwrap_err();
+    let event = "kick".to_owned();
+    assert_eq!(failure.error, IntegrateError::ChaosWithChange { event });
 }

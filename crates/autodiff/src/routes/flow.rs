@@ -13,20 +13,22 @@ use equip_scalar::Float;
 use Source::{External, Traced, WithGradient};
 
 impl<T: Float> Evaluator<T> {
-    /// Writes the running error bound of the trace of ∇H at `y` to `off` (length n): a bound for the effect
-    /// of rounding `y` in its last place and of rounding all operations, to first order. For an external
-    /// energy it is its accuracy, relative to the largest component; for a system with a bracket zero, since
-    /// the bound is not known.
+    /// Writes the running error bound of the trace of w at `y` to `off` (length n): a bound for the effect of
+    /// rounding `y` in its last place and of rounding all operations, to first order. For an external energy
+    /// it is its accuracy, relative to the largest component.
     pub fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
-        if self.bracket.is_some() {
-            assert_eq!(y.len(), off.len(), "one for each component");
-            return off.fill(T::int(0));
-        }
         match &mut self.source {
             Traced(traced) | WithGradient(traced, _) => {
-                (ready::<T>().gradient_rounding)(traced, y, off)
+                round(y, off);
+                (ready::<T>().gradient_rounding)(traced, y, off);
             }
             External(external) => external.gradient_rounding(y, off),
+        }
+        if let Some(mut turned) = self.bracket.take() {
+            turned.gradients.resize(y.len(), T::int(0));
+            self.gradients(y, &mut turned.gradients, y.len());
+            turned.turn_rounding(y, off);
+            self.bracket = Some(turned);
         }
     }
 
@@ -144,6 +146,12 @@ impl<T: Float> Evaluator<T> {
     }
 }
 
+/// The effect of rounding `y` in its last place.
+fn round<T: Float>(y: &[T], off: &mut [T]) {
+    let pairs = off.iter_mut().zip(y);
+    pairs.for_each(|(off, &y)| *off = T::EPSILON * y.abs());
+}
+
 impl<T: Float> Turned<T> {
     /// Sets the points to (y, g, 0) for `count` states. The padding is finite.
     fn set(&mut self, (states, gradients): (&[T], &[T]), stride: usize, count: usize) {
@@ -167,6 +175,22 @@ impl<T: Float> Turned<T> {
         let batch = Batch::new(&self.points, &mut self.of_form, stride, count);
         (ready::<T>().gradients_by_component)(&mut self.form, batch);
         self.take(gradients, stride);
+    }
+
+    /// Replaces the error bounds of ∇H at `y` by those of w, from ∇H at `y`.
+    fn turn_rounding(&mut self, y: &[T], off: &mut [T]) {
+        let (n, zero) = (y.len(), T::int(0));
+        let gradients = std::mem::take(&mut self.gradients);
+        self.set((y, &gradients), 1, 1);
+        self.gradients = gradients;
+        self.of_form.resize(3 * n, zero);
+        let (of_y, rest) = self.of_form.split_at_mut(n);
+        round(y, of_y);
+        rest[..n].copy_from_slice(off);
+        rest[n..].fill(zero);
+        (ready::<T>().gradient_rounding)(&mut self.form, &self.points, &mut self.of_form);
+        self.take(off, 1);
+        off.iter_mut().for_each(|x| *x = x.abs());
     }
 
     /// Computes w from the gradient of the form by λ.

@@ -131,6 +131,7 @@ impl<T: Float> TracedEvaluator<T> {
         }
     }
 
+    /// Replaces errors of the components of `y` by the errors that they and rounding cause in ∇H.
     pub(crate) fn gradient_rounding_at(&mut self, y: &[T], off: &mut [T]) {
         self.check(&[y.len(), off.len()]);
         let tape = self.shared.gradient().one();
@@ -138,7 +139,7 @@ impl<T: Float> TracedEvaluator<T> {
         let rounded = self.rounded.get_or_insert_with(rounded);
         let rows = rounded.run(tape, |k| Rounded {
             value: y[k],
-            error: T::EPSILON * y[k].abs(),
+            error: off[k],
         });
         for (off, row) in off.iter_mut().zip(rows) {
             *off = row.error;

@@ -99,6 +99,12 @@ impl<T: Float> Options<T> {
         if let Some(option) = self.misplaced {
             return Err(IntegrateError::MisplacedOption { option });
         }
+        if let Some(event) = self.events.iter().find(|event| event.action.is_some())
+            && self.chaos
+        {
+            let event = event.name().to_owned();
+            return Err(IntegrateError::ChaosWithChange { event });
+        }
         let bound = self.alpha_bound;
         check(
             bound > T::int(0) && bound.is_finite(),

@@ -115,6 +115,11 @@ impl<T> Event<T> {
         self
     }
 
+    /// Whether a root ends the run or changes its state.
+    pub(crate) fn acts(&self) -> bool {
+        self.terminal || self.action.is_some()
+    }
+
     /// The first root ends the run. The state at the root is the last state of the run.
     #[must_use]
     pub fn terminal(mut self) -> Self {

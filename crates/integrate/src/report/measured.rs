@@ -30,6 +30,8 @@ pub(crate) struct Measured<T: Float> {
     pub(crate) alpha_range: Vec<(T, T)>,
     pub(crate) phase_per_step: Option<PhasePerStep<T>>,
     frequency: Frequency<T>,
+    /// Whether tangent vectors are propagated along the run.
+    pub(crate) has_tangent: bool,
     /// The number of crossings of discontinuities at which a step, or a part of a step, ended.
     pub(crate) discontinuities_crossed: u64,
     pub(crate) energy_jumps: Option<EnergyJumps<T>>,
@@ -72,6 +74,7 @@ impl<T: Float> Measured<T> {
             alpha_range: vec![(zero, zero); alphas],
             phase_per_step: None,
             frequency: Frequency::new(system),
+            has_tangent: false,
             discontinuities_crossed: 0,
             energy_jumps: None,
             variable: None,
@@ -162,10 +165,11 @@ impl<T: Float> Measured<T> {
     }
 
     /// Records hω of the last step, of size `h`, which ended at `y`. Skipped if its iteration was not
-    /// preconditioned and converged as fast as for small hω.
+    /// preconditioned and converged as fast as for small hω, unless tangent vectors are propagated: these
+    /// contain motions that the orbit does not.
     pub(crate) fn see_phase(&mut self, core: &mut Core<T>, y: &[T], h: T) {
         let is_slow = core.contraction().is_some_and(|rate| rate > SLOW);
-        if !is_slow && !core.is_preconditioned() {
+        if !is_slow && !core.is_preconditioned() && !self.has_tangent {
             return;
         }
         let step = h.abs();

@@ -57,6 +57,7 @@ fn watch<T: Float>(
             outputs.up_to(&steps.inner, Some(end), run);
         }
         let time_low = steps.control.time_low();
+        let (before, occurred) = (steps.inner.before_leaving(), run.occurrences.len());
         steps.step()?;
         let stepper = &steps.inner;
         if let Some(outputs) = &mut watchers.outputs {
@@ -66,9 +67,18 @@ fn watch<T: Float>(
             chaos.see_step(stepper)?;
             run.certificate.chaos = Some(chaos.indicators());
         }
-        if let Some(dense) = &mut watchers.dense
-            && let Some(at) = dense.see(stepper, time_low, run)?
+        let at = match &mut watchers.dense {
+            Some(dense) => dense.see(stepper, time_low, run)?,
+            None => None,
+        };
+        if let Some((time, y)) = before
+            && let Some(error) = steps.inner.has_left(at.as_ref().map(|at| (at.time, at.y)))
         {
+            run.occurrences.truncate(occurred);
+            run.end_at(time, &y, &steps.inner);
+            return Err(error);
+        }
+        if let Some(at) = at {
             if act(at, steps, run, &mut changed)?.is_break() {
                 return Ok(());
             }

@@ -1,6 +1,7 @@
 //! Complete runs over an interval, with steps of any kind.
 
 use crate::checkpoints::checkpoint::Checkpoint;
+use crate::options::event::Event;
 use crate::options::integrator::Integrator;
 use crate::runs::chaos_watch::chaos_of_run;
 use crate::runs::compiled::ready;
@@ -113,6 +114,9 @@ impl<T: Float> Integrator<T> {
             _ if by_steps => Some(Outputs::new(inner.beside(self, system)?, times)),
             _ => None,
         };
+        if let Some(domains) = &mut inner.domains {
+            domains.may_end_before = self.options.events.iter().any(Event::acts);
+        }
         let by_polynomial = if by_steps { &[] } else { times };
         if outputs.is_some() {
             inner.core.keep_parts();

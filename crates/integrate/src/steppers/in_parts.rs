@@ -86,6 +86,22 @@ impl<T: Float> Integration<T> {
         domains.check_step(&mut self.core, (&self.y, &self.next), (self.time, h))
     }
 
+    /// Time and (q, p) before a step after which [`has_left`](Self::has_left) decides about the domain of H.
+    pub(crate) fn before_leaving(&self) -> Option<(T, Vec<T>)> {
+        let domains = self.domains.as_ref()?;
+        let view = self.view();
+        (domains.may_end_before).then(|| (view.time, [view.q, view.p].concat()))
+    }
+
+    /// The error if the last step has left the domain of H, unless an event at this time and (q, p) comes
+    /// before.
+    pub(crate) fn has_left(&mut self, event: Option<(T, &[T])>) -> Option<IntegrateError<T>> {
+        let event = event.map(|(time, state)| (time, self.as_in_h(state, time)));
+        let direction = self.direction;
+        let domains = self.domains.as_mut()?;
+        domains.has_left(event.as_ref().map(|(time, y)| (*time, &y[..])), direction)
+    }
+
     fn over_switches(
         &mut self,
         substeps: &mut Substeps<T>,

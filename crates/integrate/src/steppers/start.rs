@@ -138,10 +138,15 @@ impl<T: Float> Integration<T> {
 
     /// The initial state of the run, in the form that H takes.
     pub(crate) fn start_state(&self) -> Vec<T> {
+        self.as_in_h(&self.start, self.t0)
+    }
+
+    /// (q, p) at time `t` in the form that H takes.
+    pub(crate) fn as_in_h(&self, state: &[T], t: T) -> Vec<T> {
         let (mut y, half) = (vec![T::int(0); self.y.hi.len()], self.y.hi.len() / 2);
-        let (q, p) = self.start.split_at(self.m);
+        let (q, p) = state.split_at(self.m);
         y[..self.m].copy_from_slice(q);
-        y[self.m..half].fill(self.t0);
+        y[self.m..half].fill(t);
         y[half..][..self.m].copy_from_slice(p);
         y
     }
