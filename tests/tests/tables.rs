@@ -322,7 +322,7 @@ fn a_table_may_be_far_from_the_origin() {
     }
 }
 
-/// A fall from y0 with U = 2 q on [0, 40]: it meets the end of the table at √y0 and, bounced there, again after
+/// A fall from y0 with U = 2 q on [0, 40] meets the end of the table at √y0 and, bounced there, again after
 /// 2 √y0. The step that contains the end reaches beyond it.
 #[test]
 fn an_event_at_the_end_of_a_table() {

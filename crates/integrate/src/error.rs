@@ -5,24 +5,20 @@ use equip_scalar::{Float, plain};
 /// The reason why steps became too small, and the remedy. It names a singularity if force or speed have
 /// grown, and `min_step` if it is set.
 fn below_minimum<T: Float>(step: T, min: T, growth: T) -> String {
-    let is_bounded = step < min;
-    let (bound, lower) = match is_bounded {
-        true => (
-            format!(", and `min_step` is {min:e}"),
-            "lower `min_step` or ",
-        ),
-        false => (", the resolution of time".to_owned(), ""),
+    let (bound, lower) = match step < min {
+        true => (format!("`min_step` is {min:e}"), "lower `min_step` or "),
+        false => ("the resolution of time".to_owned(), ""),
     };
-    let remedy = format!("{lower}loosen the tolerance");
-    if growth > T::int(0) {
+    let cause = if growth > T::int(0) {
         format!(
-            "{bound}; the motion approaches a singularity, where force or speed has grown by a factor of {growth:.1e} since the start: end the run before that time, or {remedy}"
+            "; the motion approaches a singularity, where force or speed has grown by a factor of {growth:.1e} since the start: end the run before that time, or"
         )
-    } else if is_bounded {
-        format!("{bound}: {remedy}")
+    } else if lower.is_empty() {
+        "; H has a discontinuity or a large rounding error there:".to_owned()
     } else {
-        format!("{bound}; H has a discontinuity or a large rounding error there: {remedy}")
-    }
+        ":".to_owned()
+    };
+    format!(", {bound}{cause} {lower}loosen the tolerance")
 }
 
 /// Why an integration could not start or continue. A failed step leaves the state unchanged.
@@ -87,9 +83,7 @@ pub enum IntegrateError<T: Float> {
         time: T,
     },
     /// The number of steps is too large.
-    #[error(
-        "the interval needs {steps:.1e} steps of this size; use a larger step or a shorter interval"
-    )]
+    #[error("{steps:.1e} steps are too many; use a larger step or a shorter interval")]
     TooManySteps {
         /// The interval divided by the step.
         steps: f64,
@@ -162,9 +156,7 @@ pub enum IntegrateError<T: Float> {
         expected: T,
     },
     /// A tangent vector is requested, and an event changes the state.
-    #[error(
-        "`chaos` cannot follow the event `{event}`, which changes the state: the derivative of the change is not known; omit one of them, or end the run at the event (`terminal`)"
-    )]
+    #[error("the derivative of the change by the event `{event}` is not known: omit it or `chaos`")]
     ChaosWithChange {
         /// Name of the event.
         event: String,

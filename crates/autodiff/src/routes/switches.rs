@@ -222,9 +222,9 @@ pub struct OutsideDomain<T> {
     pub last: T,
 }
 
-/// An argument outside its domain by at most this many roundings of the largest end counts as at the end: the
-/// roots of events at the end of a table are located to rounding. // ε; 700 falls to the end of a table are off by
-/// up to 6.4
+/// An argument outside its domain by at most this many roundings of the largest end counts as at the end:
+/// roots of events at the end of a table are located to rounding. // ε; 720 falls to the end of a table are
+/// off by up to 6.4
 const ROUNDINGS: i64 = 64;
 
 /// The arguments of functions of H that have a domain, such as tables that do not extrapolate, from
@@ -289,8 +289,8 @@ pub struct DomainEvaluator<T> {
 }
 
 impl<T: Float> DomainEvaluator<T> {
-    /// Checks that all arguments are within their domains, up to rounding, at the state y = (q, p). Allocates at its first
-    /// call only.
+    /// Checks that all arguments are within their domains, up to rounding, at the state y = (q, p). Allocates
+    /// at its first call only.
     ///
     /// # Errors
     /// The first argument outside its domain.

@@ -163,8 +163,8 @@ impl<T: Float> Integrator<T> {
 
     /// Propagates a tangent vector. The certificate then has the largest Lyapunov exponent and MEGNO
     /// ([`ChaosIndicators`](crate::ChaosIndicators)), and observers see their development. The steps do not
-    /// change by a single bit. Each step costs s Hessians and a few linear iterations in addition. Events that
-    /// change the state are rejected, since the derivative of the change is not known.
+    /// change by a single bit. Each step costs s Hessians and a few linear iterations in addition. Events
+    /// that change the state are rejected, since the derivative of the change is not known.
     #[must_use]
     pub fn chaos(mut self) -> Self {
         self.options.chaos = true;

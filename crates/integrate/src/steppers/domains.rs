@@ -55,9 +55,9 @@ impl<T: Float> WithinDomains<T> {
         })
     }
 
-    /// The error if the last step has left the domain. `event` is the time and the state of the event that ends
-    /// the run or changes its state: there is no error if it is in the domain, and before the first state
-    /// outside.
+    /// The error if the last step has left the domain. `event` is the time and the state of the event that
+    /// ends the run or changes its state: there is no error if it is in the domain, and before the first
+    /// state outside.
     pub(crate) fn has_left(
         &mut self,
         event: Option<(T, &[T])>,

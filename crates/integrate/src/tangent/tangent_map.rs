@@ -15,11 +15,13 @@ use equip_solver::{Failure, StepTangent};
 /// A tangent vector has 2m components, those of (q, p). If H depends on time, it has 2m + 2 components, those
 /// of (q, t, p, p_t); the component of t belongs to the initial time.
 ///
-/// Steps by a tolerance follow the orbit alone. A tangent vector may contain faster motions: across a plane of
-/// symmetry, or at an equilibrium. If [`Certificate::motion_is_resolved`](crate::Certificate::motion_is_resolved)
-/// is false, tangent vectors are wrong: limit the steps (`max_step`).
+/// Steps by a tolerance follow the orbit alone. A tangent vector may contain faster motions: across a plane
+/// of symmetry, or at an equilibrium. If
+/// [`Certificate::motion_is_resolved`](crate::Certificate::motion_is_resolved) is false, tangent vectors are
+/// wrong: limit the steps (`max_step`).
 ///
-/// An event that changes the state changes tangent vectors too: multiply them by the derivative of the change.
+/// An event that changes the state changes tangent vectors too: multiply them by the derivative of the
+/// change.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
