@@ -167,3 +167,27 @@ def test_it_is_pickled_by_its_functions(tmp_path):
     run = equip.solve(KEPLER, Q0, P0, (0, 0.2), step=0.05)
     with pytest.raises(ValueError, match="an external energy cannot be stored"):
         run.save(tmp_path / "run.npz")
+
+
+def test_ensembles_are_told_apart(tmp_path):
+    """By values, since the code of an external energy is not known."""
+    potential = equip.Hamiltonian.external_potential
+    soft, stiff = (
+        potential(lambda q: q @ q / 2, lambda q: q, 1),
+        potential(lambda q: 2 * q @ q, lambda q: 4 * q, 1),
+    )
+    starts, path = ([[1.0], [2.0]], [[0.0], [0.0]]), tmp_path / "rows.npz"
+    first = equip.ensemble(soft, *starts, (0, 1.0), checkpoint=path)
+    np.testing.assert_allclose(first.q, np.cos(1.0) * np.array(starts[0]), rtol=1e-10)
+    again = equip.ensemble(soft, *starts, (0, 1.0), checkpoint=path)
+    assert np.array_equal(again.q, first.q)
+    others = [
+        (stiff, *starts, (0, 1.0)),
+        (soft, [[5.0], [7.0]], starts[1], (0, 1.0)),
+        (soft, *starts, (0, 9.0)),
+    ]
+    for other in others:
+        with pytest.raises(ValueError, match="other"):
+            equip.ensemble(*other, checkpoint=path)
+        with pytest.raises(ValueError, match="resume has runs with another H"):
+            equip.ensemble(*other, resume=first)

@@ -141,7 +141,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// A user-supplied gradient is not the gradient of H.
     #[error(
-        "at t = {time} the gradient written by hand has ∂H/∂{what}[{index}] = {given:e}, but H has {expected:e}; correct the gradient, omit it (H is then differentiated automatically), or disable the test with `check_gradient(false)`",
+        "at t = {time} the given gradient has ∂H/∂{what}[{index}] = {given:e}, but H has {expected:e}; correct the gradient, or give the `accuracy` of an external energy of lower precision; a closure needs no gradient, and `check_gradient(false)` disables the test",
         time = plain(*time))]
     WrongGradient {
         /// The time of the state.

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Equip, Event, IntegrateError, StepEvents};
+use equip_integrate::{Equip, Event, IntegrateError, Record, StepEvents};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -195,4 +195,88 @@ fn bounces_that_accumulate_are_named() {
     };
     assert!(event == "soft floor" && cause.contains("accumulate"));
     assert!((time - 3.0 * (2.0 / G).sqrt()).abs() < 1e-12, "{time}");
+}
+
+/// One step integrates a free fall exactly, whatever its size. The steps must not grow from bounce to bounce:
+/// the state at an event is as accurate as rounding of the change over its step.
+#[test]
+fn bounces_of_a_motion_that_every_step_integrates_exactly() {
+    let ball = Hamiltonian::new(1, |q, p| p[0] * p[0] / 2 + 9.8 * q[0]).unwrap();
+    let floor = Event::new("floor", |_, q: &[f64], _: &[f64]| q[0]).falling();
+    let floor = floor.then(|_, _, p| {
+        p[0] = -p[0];
+        ControlFlow::Continue(())
+    });
+    let fall = (2.0_f64 / 9.8).sqrt();
+    let method = Equip::stages(8).tolerance(1e-10);
+    let run = method.clone().event(floor.clone());
+    let run = run.integrate(&ball, &[1.0], &[0.0], 0.0..=1e3).unwrap();
+    assert_eq!(run.events().len(), 1107);
+    for (k, bounce) in run.events().iter().enumerate() {
+        let exact = fall * (2 * k + 1) as f64;
+        assert!((bounce.time - exact).abs() < 1e-10, "{k} {}", bounce.time);
+    }
+    let mut run = method.start(&ball, &[1.0], &[0.0], 0.0).unwrap();
+    let mut events = StepEvents::new(&ball, &mut run, &[floor]).unwrap();
+    for _ in 0..100 {
+        run.advance().unwrap();
+        events.find(&mut run).unwrap();
+        let (q, p) = (run.view().q[0], run.view().p[0]);
+        assert!((p * p / 2.0 + 9.8 * q - 9.8).abs() < 1e-11, "{q} {p}");
+    }
+}
+
+/// A particle between two walls, forward and back to its start, and an event that only watches.
+#[test]
+fn events_of_a_run_that_turns_back() {
+    let free = Hamiltonian::new(1, |_, p| p[0] * p[0] / 2).unwrap();
+    let wall = |at: f64| {
+        let wall = Event::new("wall", move |_, q: &[f64], _: &[f64]| q[0] - at);
+        wall.then(|_, _, p| {
+            p[0] = -p[0];
+            ControlFlow::Continue(())
+        })
+    };
+    let middle = Event::new("middle", |_, q: &[f64], _: &[f64]| q[0] - 0.5);
+    for method in [
+        Equip::stages(4).step(0.3),
+        Equip::stages(4).tolerance(1e-10),
+    ] {
+        let mut run = method.start(&free, &[0.3], &[1.0], 0.0).unwrap();
+        let of_run = [wall(0.0), wall(1.0), middle.clone()];
+        let mut events = StepEvents::new(&free, &mut run, &of_run).unwrap();
+        // The walls at 0.7, 1.7, …, the middle at 0.2, 1.2, …
+        for end in [10.4, 0.0, -10.4, 0.0] {
+            let mut found = [0; 3];
+            while run.advance_towards(end).unwrap() {
+                for occurrence in events.find(&mut run).unwrap() {
+                    found[occurrence.event] += 1;
+                }
+            }
+            let expected = if end == -10.4 || run.time() == 0.0 && found[0] == 6 {
+                [6, 5, 10]
+            } else {
+                [5, 5, 11]
+            };
+            assert_eq!(found, expected, "to {end}");
+        }
+        assert!((run.view().q[0] - 0.3).abs() < 1e-12 && run.view().p[0] == 1.0);
+    }
+}
+
+/// Steps of a free rotor grow to hundreds of revolutions. All roots are found.
+#[test]
+fn many_roots_in_one_step() {
+    let rotor = Hamiltonian::new(1, |_, p| p[0] * p[0] / 2).unwrap();
+    let zero = Event::new("zero", |_, q: &[f64], _: &[f64]| q[0].sin());
+    let method = Equip::stages(4)
+        .tolerance(1e-10)
+        .record(Record::Ends)
+        .event(zero);
+    let run = method.integrate(&rotor, &[0.1], &[1.0], 0.0..=1e4).unwrap();
+    assert_eq!(run.events().len(), 3183);
+    for (k, root) in run.events().iter().enumerate() {
+        let exact = std::f64::consts::PI * (k + 1) as f64 - 0.1;
+        assert!((root.time - exact).abs() < 1e-11, "{k} {}", root.time);
+    }
 }

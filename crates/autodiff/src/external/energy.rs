@@ -211,10 +211,9 @@ impl<T: Float> ExternalEvaluator<T> {
     /// The components whose entries are computed by differences: all, or the positions.
     fn differenced(&self) -> usize {
         let m = self.of.structure.degrees_of_freedom;
-        m * if self.of.inverse_masses.is_some() {
-            1
-        } else {
-            2
+        match self.of.inverse_masses {
+            Some(_) => m,
+            None => 2 * m,
         }
     }
 
@@ -225,20 +224,16 @@ impl<T: Float> ExternalEvaluator<T> {
 
     /// T(p), if user code computes a potential only.
     pub(crate) fn kinetic(&self) -> Option<Kinetic<T>> {
-        let inverse_masses = self.of.inverse_masses.as_ref()?;
-        Some(Kinetic::diagonal_of(
-            inverse_masses.iter().map(|&w| T::exact(w)),
-        ))
+        let inverse_masses = self.of.inverse_masses.as_ref()?.iter();
+        Some(Kinetic::diagonal_of(inverse_masses.map(|&w| T::exact(w))))
     }
 
     /// All entries of the pattern, symmetric.
     pub(crate) fn hessian(&mut self, y: &[T], entries: &mut [T]) {
         let (n, len) = (self.differenced(), self.of.structure.hessian.len());
         Batch::one(y, entries).check([2 * self.of.structure.degrees_of_freedom, len]);
-        let (mut unit, mut product) = (
-            std::mem::take(&mut self.unit),
-            std::mem::take(&mut self.product),
-        );
+        let mut unit = std::mem::take(&mut self.unit);
+        let mut product = std::mem::take(&mut self.product);
         unit.clear();
         unit.resize(y.len(), T::int(0));
         product.resize(y.len(), T::int(0));
@@ -250,15 +245,10 @@ impl<T: Float> ExternalEvaluator<T> {
             unit[k] = T::int(0);
         }
         (self.unit, self.product) = (unit, product);
-        let inverse_masses = self
-            .of
-            .inverse_masses
-            .iter()
-            .flat_map(|masses| masses.iter());
-        of_momenta
-            .iter_mut()
-            .zip(inverse_masses)
-            .for_each(|(x, &w)| *x = T::exact(w));
+        if let Some(inverse_masses) = &self.of.inverse_masses {
+            let pairs = of_momenta.iter_mut().zip(&**inverse_masses);
+            pairs.for_each(|(x, &w)| *x = T::exact(w));
+        }
         let entries = block;
         for i in 0..n {
             for k in 0..i {

@@ -22,8 +22,10 @@ use equip_scalar::Float;
 
 /// N.
 const DEGREE: usize = 16;
-/// The number of intervals after which g is considered too rough.
+/// The number of intervals after which g is considered too rough, and of further ones for each root on a
+/// monotone piece: a long step may contain many roots of a smooth g.
 const MOST_INTERVALS: usize = 2000;
+const MOST_PER_ROOT: usize = 16;
 
 /// Workspace.
 #[derive(Debug)]
@@ -77,10 +79,10 @@ impl<T: Float> Roots<T> {
         self.stack.clear();
         self.largest = T::int(0);
         self.stack.push(Interval { a, b, at_a, at_b });
-        let mut looked_at = 0;
+        let (mut looked_at, mut most) = (0, MOST_INTERVALS);
         while let Some(interval) = self.stack.pop() {
             looked_at += 1;
-            if looked_at > MOST_INTERVALS {
+            if looked_at > most {
                 return Err(TooRough);
             }
             let Interval { a, b, at_a, at_b } = interval;
@@ -99,6 +101,7 @@ impl<T: Float> Roots<T> {
                 Look::Monotone => {
                     let root = enclose(&mut g, interval, resolution);
                     self.found.push((root, positive(at_b)));
+                    most += MOST_PER_ROOT;
                 }
                 Look::Unknown => {
                     let middle = (a + b) / T::int(2);

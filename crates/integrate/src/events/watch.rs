@@ -84,9 +84,16 @@ impl<T: Float> EventWatch<T> {
         self.start = time;
     }
 
-    /// Sets the direction of the run.
-    pub(crate) fn go(&mut self, direction: TimeDirection) {
-        self.direction = direction;
+    /// Sets the direction of the run, which may have been reversed at this time.
+    pub(crate) fn go(&mut self, direction: TimeDirection, time: T) {
+        if self.direction != direction {
+            (self.direction, self.start) = (direction, time);
+        }
+    }
+
+    /// The time since the start of the run or the last change of its state.
+    pub(crate) fn since(&self, time: T) -> T {
+        (time - self.start).abs()
     }
 
     /// Appends the events in `piece` to `occurrences`. Returns the position in the piece where an event ends

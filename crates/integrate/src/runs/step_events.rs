@@ -82,7 +82,7 @@ impl<T: Float> StepEvents<T> {
             1 => {}
             _ => return Err(IntegrateError::StepsNotFollowed { steps }),
         }
-        self.events.go(stepper.direction);
+        self.events.go(stepper.direction, end);
         let mut time_low = low;
         // A run that was restarted begins at another time.
         if let Some(first) = stepper.parts().first().filter(|part| part.time != end) {

@@ -37,12 +37,16 @@ pub(crate) trait StepControl<T: Float>: fmt::Debug + Send + Sync {
     /// Called if the run has been moved to another state at the same time.
     fn at_another_state(&mut self, run: &mut Integration<T>);
 
-    /// Called if the run has been moved to another state and time within the last step. The end does not
-    /// change.
+    /// Called if the run has been moved to another state and time within the last step, `since` after the
+    /// start of the run or the last such change. The end does not change.
     ///
     /// # Errors
     /// If steps from there cannot meet the end.
-    fn at_another_time(&mut self, run: &mut Integration<T>) -> Result<(), IntegrateError<T>>;
+    fn at_another_time(
+        &mut self,
+        run: &mut Integration<T>,
+        since: T,
+    ) -> Result<(), IntegrateError<T>>;
 
     /// Reverses the direction of time.
     fn turn_back(&mut self, run: &mut Integration<T>);

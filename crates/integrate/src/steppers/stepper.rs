@@ -68,9 +68,10 @@ impl<T: Float> Stepper<T> {
             return Ok(ControlFlow::Break(y));
         }
         let (q, p) = y.split_at(y.len() / 2);
+        let since = events.since(time);
         let moved = self.inner.move_to(q, p, time).and_then(|()| {
             self.inner.time = time;
-            self.control.at_another_time(&mut self.inner)
+            self.control.at_another_time(&mut self.inner, since)
         });
         moved.map_err(|cause| IntegrateError::ChangedState {
             event: events.changing(),

@@ -101,17 +101,28 @@ def check_resume(before: Any, digest: str, shape: tuple[int, ...], end: float) -
 
 
 def digest_of(task: Task, q: Floats, p: Floats) -> str:
-    """Of all that the rows depend on; threads and chunks are not among it. Empty where H is external: its
-    code is not known."""
+    """Of all that the rows depend on; threads and chunks are not among it."""
     import hashlib
 
-    if task.h.is_external:
-        return ""
     text = repr(
         (task.times, task.precision, q.shape, sorted((name, _plain(x)) for name, x in task.given.items()))
     )
-    parts = (task.h.to_bytes(), q.tobytes(), p.tobytes(), text.encode())
+    parts = (_energy(task.h, q, p), q.tobytes(), p.tobytes(), text.encode())
     return hashlib.sha256(b"".join(len(part).to_bytes(8, "little") + part for part in parts)).hexdigest()
+
+
+def _energy(h: Hamiltonian, q: Floats, p: Floats) -> bytes:
+    """The formula of H. The code of an external energy is not known: its value and gradient at the first and
+    the last state."""
+    if not h.is_external:
+        return h.to_bytes()
+    found = []
+    for i in (0, -1)[: len(q)]:
+        try:
+            found += [np.asarray(h(q[i], p[i])).tobytes(), *(x.tobytes() for x in h.gradient(q[i], p[i]))]
+        except Exception as error:  # Whatever the functions raise; the run of this row will raise it too.
+            found.append(repr(error).encode())
+    return b"".join(found)
 
 
 def _plain(x: Any) -> Any:

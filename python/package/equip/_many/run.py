@@ -52,7 +52,7 @@ def ensemble(
     atol: Any = None,
     threads: Optional[int] = None,
     executor: Optional[Executor] = None,
-    chunk: int = 256,
+    chunk: Optional[int] = None,
     resume: Optional[Ensemble] = None,
     checkpoint: Optional[Path] = None,
     progress: bool = False,
@@ -104,7 +104,8 @@ def ensemble(
         recorded formula, so it may be a lambda; `output` must be a function of a module. If a worker dies,
         its unfinished runs are `lost`, and all other rows remain.
     chunk
-        Number of runs in a task of the executor, or between two updates of the checkpoint.
+        Number of runs in a task of the executor, or between two updates of the checkpoint. The default is a
+        quarter of the runs of one worker, or a sixteenth of all runs with a checkpoint, but at most 256.
     resume
         An ensemble with the same H, initial conditions, span and options. Only its `lost` runs are repeated.
     checkpoint
@@ -175,8 +176,11 @@ def ensemble(
         raise ValueError(
             f"steps of {step} from {start[0]} lead away from {end[0]}; give a step without a sign"
         )
-    chunk = whole(chunk, "chunk", 1)
     check_executor(executor)
+    if chunk is None:
+        tasks = 16 if executor is None else 4 * (getattr(executor, "_max_workers", None) or workers)
+        chunk = min(256, max(1, -(-len(q) // tasks)))
+    chunk = whole(chunk, "chunk", 1)
     if checkpoint is not None and (resume is not None or output is not None):
         raise ValueError("checkpoint cannot be combined with resume or output: omit these, or checkpoint")
     # Faults of the options are found here; in double-double every run finds them.

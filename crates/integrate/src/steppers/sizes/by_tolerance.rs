@@ -114,8 +114,18 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
         self.crossings.iter_mut().for_each(Crossings::begin);
     }
 
-    fn at_another_time(&mut self, run: &mut Integration<T>) -> Result<(), IntegrateError<T>> {
+    /// The next step is at most 3/2 of the time between the last two changes, so that regular changes are not
+    /// at the ends of steps. Where one step integrates the motion exactly, steps would become ever longer,
+    /// and the state at an event is as accurate as rounding of the change over the complete step.
+    fn at_another_time(
+        &mut self,
+        run: &mut Integration<T>,
+        since: T,
+    ) -> Result<(), IntegrateError<T>> {
         self.time_low = T::int(0);
+        if since > T::int(0) {
+            self.control.next = self.control.next.min(1.5 * since.to_f64());
+        }
         self.at_another_state(run);
         Ok(())
     }

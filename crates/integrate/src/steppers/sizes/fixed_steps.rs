@@ -110,7 +110,7 @@ impl<T: Float> StepControl<T> for FixedSteps<T> {
 
     fn at_another_state(&mut self, _: &mut Integration<T>) {}
 
-    fn at_another_time(&mut self, run: &mut Integration<T>) -> Result<(), IntegrateError<T>> {
+    fn at_another_time(&mut self, run: &mut Integration<T>, _: T) -> Result<(), IntegrateError<T>> {
         self.begin_grid(run);
         if let Some(grid) = self.grid {
             self.grid = Some(Grid::new(run.time, grid.end(), self.step_of(run))?);
