@@ -14,7 +14,7 @@ fn below_minimum<T: Float>(step: T, min: T, growth: T) -> String {
             "; the motion approaches a singularity, where force or speed has grown by a factor of {growth:.1e} since the start: end the run before that time, or"
         )
     } else if lower.is_empty() {
-        "; H has a discontinuity or a large rounding error there:".to_owned()
+        "; H has a discontinuity or a large rounding error there (`accuracy` of an external energy):".to_owned()
     } else {
         ":".to_owned()
     };
@@ -309,7 +309,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The run has reached its maximum number of steps.
     #[error(
-        "the limit of {steps} steps is reached at t = {time}; raise `max_steps`, loosen the tolerance, or shorten the interval",
+        "the limit of {steps} steps is reached at t = {time}; raise `max_steps`, loosen the tolerance, shorten the interval, or increase the `accuracy` of an external energy to its rounding error",
         time = plain(*time))]
     StepLimit {
         /// The maximum number of steps.
