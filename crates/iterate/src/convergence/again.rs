@@ -4,31 +4,7 @@
 use crate::convergence::contraction::{Contraction, Progress};
 use crate::policy::MOST_ITERATIONS;
 
-/// Decides whether a series of iterations continues.
-pub(crate) trait Again {
-    /// Called after an iteration that has changed Z by `change`. Returns whether there is another one.
-    /// Implementations are inlined into the kernels.
-    fn again(&mut self, change: f64) -> bool;
-}
-
-/// A single iteration.
-pub(crate) struct Once;
-
-impl Again for Once {
-    #[inline(always)]
-    fn again(&mut self, _change: f64) -> bool {
-        false
-    }
-}
-
-impl<A: Again> Again for &mut A {
-    #[inline(always)]
-    fn again(&mut self, change: f64) -> bool {
-        (**self).again(change)
-    }
-}
-
-/// A series of incremental iterations.
+/// A series of incremental iterations, or one iteration of another form.
 pub(crate) struct Series<'a> {
     contraction: &'a mut Contraction,
     /// The state of the iteration after the last observed change; `None` before the first.
@@ -50,11 +26,11 @@ impl<'a> Series<'a> {
     pub(crate) fn is_next(&self) -> bool {
         self.contraction.next_change() > self.contraction.last_change()
     }
-}
 
-impl Again for Series<'_> {
+    /// Called after an incremental iteration that has changed Z by `change`. Returns whether there is another
+    /// one.
     #[inline(always)]
-    fn again(&mut self, change: f64) -> bool {
+    pub(crate) fn again(&mut self, change: f64) -> bool {
         let progress = self.contraction.observe(change, false);
         self.progress = Some(progress);
         let is_early = self.made < MOST_ITERATIONS;

@@ -1,6 +1,6 @@
 //! The iteration for any H: Z ← K L with L = h b J∇H, for all components.
 
-use crate::convergence::again::Again;
+use crate::convergence::again::Series;
 use crate::forms::form::{Mix, Step};
 use crate::forms::fused::{Small, rows_of, settle};
 use crate::layout::row::{literal, times};
@@ -61,7 +61,7 @@ impl<'a> Small<'a> for Full<'a, f64> {
         &mut self,
         gradients: &impl StageGradients<C, N>,
         k: &impl Mixes<N>,
-        _again: &mut impl Again,
+        _: &mut Series<'_>,
     ) -> f64 {
         let step = &mut self.0;
         let computed: [Lanes<N>; C] = gradients.at(rows_of::<C, N>(step.points));

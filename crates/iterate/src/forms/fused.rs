@@ -5,7 +5,7 @@
 //! chain of dependent operations limits the speed of an iteration. The kernel therefore processes all
 //! components in parallel along this chain: ∇U, then P ← p + K L_p, then Z_q ← K L_q.
 
-use crate::convergence::again::Again;
+use crate::convergence::again::Series;
 use crate::forms::form::{Mix, Step};
 use crate::layout::row::{OnLines, difference, in_memory, literal, placed};
 use crate::matrix::product::{Anew, Mixes, Square};
@@ -13,32 +13,32 @@ use equip_autodiff::{Fused, StageGradients};
 
 /// A form of the iteration for which there is a kernel.
 pub(crate) trait Small<'a>: Mix<'a, f64> {
-    /// Iterates C unknown components once; the incremental form continues as long as `again` returns true.
+    /// Iterates C unknown components once; the incremental form continues as long as the series does.
     /// Returns the result of [`Mix::mix`] for the last iteration.
     fn kernel<const C: usize, const N: usize>(
         &mut self,
         gradients: &impl StageGradients<C, N>,
         k: &impl Mixes<N>,
-        again: &mut impl Again,
+        series: &mut Series<'_>,
     ) -> f64;
 }
 
-/// A form of the iteration, and the decision on further iterations.
-pub(crate) struct OneGroup<S, A>(pub(crate) S, pub(crate) A);
+/// A form of the iteration, and the series that decides on further iterations.
+pub(crate) struct OneGroup<'s, 'c, S>(pub(crate) S, pub(crate) &'s mut Series<'c>);
 
-impl<'a, S: Small<'a>, A: Again, const N: usize> Fused<N> for OneGroup<S, A> {
+impl<'a, S: Small<'a>, const N: usize> Fused<N> for OneGroup<'_, '_, S> {
     type Output = f64;
 
     #[inline(always)]
     fn run<const C: usize>(&mut self, gradients: &impl StageGradients<C, N>) -> f64 {
         let k = Square::of(self.0.step().k);
-        self.0.kernel(gradients, &k, &mut self.1)
+        self.0.kernel(gradients, &k, self.1)
     }
 
     #[inline(always)]
     fn run_narrow<const C: usize>(&mut self, gradients: &impl StageGradients<C, N>) -> f64 {
         let k = Anew(Square::of(self.0.step().k));
-        self.0.kernel(gradients, &k, &mut self.1)
+        self.0.kernel(gradients, &k, self.1)
     }
 }
 

@@ -14,7 +14,7 @@
 //!
 //! K B K costs s³ products, so it exists for α = 0 only. Most iterations have α = 0.
 
-use crate::convergence::again::Again;
+use crate::convergence::again::Series;
 use crate::forms::form::{Mix, Moved, Step};
 use crate::forms::fused::{Small, change, numbers, rows_of};
 use crate::forms::separable::{Separable, force};
@@ -94,14 +94,14 @@ impl<'a, T: Float> Mix<'a, T> for Incremental<'a, T> {
     }
 }
 
-/// Iterates until `again` returns false; the data passed between iterations stay in registers.
+/// Iterates until the series ends; the data passed between iterations stay in registers.
 impl<'a> Small<'a> for Incremental<'a, f64> {
     #[inline(always)]
     fn kernel<const C: usize, const N: usize>(
         &mut self,
         gradients: &impl StageGradients<C, N>,
         k: &impl Mixes<N>,
-        again: &mut impl Again,
+        series: &mut Series<'_>,
     ) -> f64 {
         let step = &mut self.half.step;
         let hb = literal(step.hb.first_chunk());
@@ -125,7 +125,7 @@ impl<'a> Small<'a> for Incremental<'a, f64> {
                 q[c] = placed(hi[c], lo[c], &z[c]);
             }
             let change = change(&by, numbers(step.inverse_scale));
-            if !again.again(change) {
+            if !series.again(change) {
                 (*to_l, *to_z, *to_q) = (l, z, q);
                 return change;
             }

@@ -3,7 +3,7 @@
 //!
 //! P is stored only if needed: long chains are limited by memory bandwidth.
 
-use crate::convergence::again::Again;
+use crate::convergence::again::Series;
 use crate::forms::form::{Mix, Step};
 use crate::forms::fused::{Small, numbers, rows_of, settle};
 use crate::layout::row::{linear, literal, placed, times};
@@ -83,7 +83,7 @@ impl<'a> Small<'a> for Separable<'a, f64> {
         &mut self,
         gradients: &impl StageGradients<C, N>,
         k: &impl Mixes<N>,
-        _again: &mut impl Again,
+        _: &mut Series<'_>,
     ) -> f64 {
         let step = &mut self.step;
         let computed: [Lanes<N>; C] = gradients.at(rows_of::<C, N>(step.points));

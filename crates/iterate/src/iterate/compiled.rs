@@ -14,12 +14,11 @@ use std::ops::Range;
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
-    pub(crate) iterate: fn(&Coefficients<T>, usize, Option<Kinetic<T>>, &[T]) -> Iterate<T>,
+    pub(crate) new: fn(&Coefficients<T>, usize, Option<Kinetic<T>>, &[T]) -> Iterate<T>,
     pub(crate) at_zero: fn(&mut Iterate<T>, &Coefficients<T>, (&State<T>, T)),
     pub(crate) from_polynomial: fn(&mut Iterate<T>, &Coefficients<T>, (&State<T>, T, T), &Polynomial<T>, Option<&[T]>),
     pub(crate) polynomial: fn(&mut Polynomial<T>, equip_scalar::InstructionSet, [T; 3], bool),
-    pub(crate) once: fn(&mut Iterate<T>, &mut Evaluator<T>, &State<T>) -> f64,
-    pub(crate) series: fn(&mut Iterate<T>, &mut Evaluator<T>, &State<T>, &mut Series<'_>) -> f64,
+    pub(crate) iterate: fn(&mut Iterate<T>, &mut Evaluator<T>, &State<T>, &mut Series<'_>) -> f64,
     pub(crate) mix: fn(&mut Iterate<T>, &State<T>) -> f64,
     pub(crate) measure: fn(&mut Iterate<T>, &State<T>, Range<usize>),
     pub(crate) make_momenta: fn(&mut Iterate<T>, &State<T>),
@@ -34,12 +33,11 @@ pub(crate) struct Ready<T: Float> {
 
 impl<T: Float> Ready<T> {
     const HERE: Self = Ready {
-        iterate: Iterate::new,
+        new: Iterate::new,
         at_zero: Iterate::begin_at_zero,
         from_polynomial: Iterate::begin_from_polynomial,
         polynomial: Polynomial::make,
-        once: Iterate::once,
-        series: Iterate::series,
+        iterate: Iterate::iterate,
         mix: Iterate::mix,
         measure: Iterate::measure,
         make_momenta: Iterate::make_momenta,

@@ -1,7 +1,7 @@
 //! Fixed-point iterations Z ← K(α) L(Z), and preconditioned ones Z ← Z + M⁻¹ (K(α) L(Z) − Z), for all stages
 //! at once.
 
-use crate::convergence::again::{Again, Once, Series};
+use crate::convergence::again::Series;
 use crate::convergence::contraction::{Contraction, Progress};
 use crate::extrapolation::polynomial::Polynomial;
 use crate::forms::fused::OneGroup;
@@ -22,7 +22,7 @@ impl<T: Float> Iterate<T> {
         kinetic: Option<Kinetic<T>>,
         alphas: &[T],
     ) -> Self {
-        (ready::<T>().iterate)(method, n, kinetic, alphas)
+        (ready::<T>().new)(method, n, kinetic, alphas)
     }
 
     /// Begins a step of size `h` from `y` with Z = 0 and the initial α_k.
@@ -94,11 +94,7 @@ impl<T: Float> Iterate<T> {
         let can_be = self.twofold.is_some() && !self.k_has_moved;
         self.is_incremental = can_be && self.z_is_k_l && !measures && series.is_next();
         self.has_momenta = measures;
-        let change = if self.is_incremental {
-            (ready::<T>().series)(self, energy, y, &mut series)
-        } else {
-            (ready::<T>().once)(self, energy, y)
-        };
+        let change = (ready::<T>().iterate)(self, energy, y, &mut series);
         (self.z_is_k_l, self.has_residual) = (true, false);
         let made = series.made;
         if let Some(progress) = series.progress {
@@ -167,28 +163,18 @@ impl<T: Float> Iterate<T> {
         rows.fold(T::int(0), worst).to_f64()
     }
 
-    /// One iteration. Returns the change of Z.
-    pub(crate) fn once(&mut self, energy: &mut Evaluator<T>, y: &State<T>) -> f64 {
-        self.run(energy, y, &mut Once)
-    }
-
-    /// A series of incremental iterations. Returns the last change of Z.
-    pub(crate) fn series(
+    /// A series of incremental iterations, or one iteration of another form, in one kernel if there is one.
+    /// Returns the last change of Z.
+    pub(crate) fn iterate(
         &mut self,
         energy: &mut Evaluator<T>,
         y: &State<T>,
         series: &mut Series<'_>,
     ) -> f64 {
-        self.run(energy, y, series)
-    }
-
-    /// Iterations of one form, in one kernel if there is one. Returns the last change of Z.
-    #[inline(always)]
-    fn run(&mut self, energy: &mut Evaluator<T>, y: &State<T>, again: &mut impl Again) -> f64 {
         let fused = if T::IS_DOUBLE {
             match self.stride {
-                4 => self.fuse::<4>(energy, y, again),
-                8 => self.fuse::<8>(energy, y, again),
+                4 => self.fuse::<4>(energy, y, series),
+                8 => self.fuse::<8>(energy, y, series),
                 _ => None,
             }
         } else {
@@ -198,7 +184,7 @@ impl<T: Float> Iterate<T> {
             loop {
                 self.evaluate(energy);
                 let change = (ready::<T>().mix)(self, y);
-                if !again.again(change) {
+                if !self.is_incremental || !series.again(change) {
                     return change;
                 }
             }
@@ -211,18 +197,18 @@ impl<T: Float> Iterate<T> {
         &mut self,
         energy: &mut Evaluator<T>,
         y: &State<T>,
-        again: &mut impl Again,
+        series: &mut Series<'_>,
     ) -> Option<f64> {
         macro_rules! fused {
-            ($method:ident, $task:expr, $again:expr) => {{
+            ($method:ident, $task:expr) => {{
                 let task = $task.in_doubles()?;
-                energy.$method::<N, _>(&mut OneGroup(task, $again))?
+                energy.$method::<N, _>(&mut OneGroup(task, series))?
             }};
         }
         Some(match self.form(y) {
-            Form::Full(task) => fused!(fuse_gradients, task, Once),
-            Form::Separable(task) => fused!(fuse_forces, task, Once),
-            Form::Incremental(task) => fused!(fuse_forces, task, again),
+            Form::Full(task) => fused!(fuse_gradients, task),
+            Form::Separable(task) => fused!(fuse_forces, task),
+            Form::Incremental(task) => fused!(fuse_forces, task),
         })
     }
 
