@@ -1,9 +1,9 @@
 //! The interface of a step to a run: everything public of [`Core`] and [`Constraint`] except the
 //! constructors, [`Core::step`], [`Core::complete`] and [`Core::forget`].
 
-use crate::equations::constraint::Constraint;
+use crate::constraint::Constraint;
 use crate::memory::SolverMemory;
-use crate::outcome::failure::Damaged;
+use crate::outcome::failure::{Damaged, FailedPart};
 use crate::outcome::outcome::Counts;
 use crate::outcome::parts::Part;
 use crate::step::core::Core;
@@ -11,19 +11,6 @@ use equip_autodiff::Evaluator;
 use equip_iterate::State;
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
-
-/// The part of a step that failed last, or the complete step if it was not halved.
-#[derive(Debug, Clone, Copy)]
-pub struct FailedPart<'a, T> {
-    /// y at the start of the part, length n.
-    pub start: &'a [T],
-    /// The time at the start of the part.
-    pub time: T,
-    /// The size of the part.
-    pub step: T,
-    /// How often the step could have been halved.
-    pub max_halvings: u32,
-}
 
 /// The fixed data, and the counts.
 impl<T: Float> Core<T> {
@@ -149,20 +136,15 @@ impl<T: Float> Core<T> {
     }
 
     /// The part that failed last.
-    pub fn failed_part(&self) -> FailedPart<'_, T> {
-        FailedPart {
-            start: &self.failed.0,
-            time: self.failed.1,
-            step: self.failed.2,
-            max_halvings: self.options.max_halvings,
-        }
+    pub fn failed_part(&self) -> &FailedPart<T> {
+        &self.failed
     }
 
     /// The end point of the failed part according to the last iteration, length n.
     pub fn failed_end(&self) -> Vec<T> {
         let rows = (self.stages.iterate.increments()).chunks_exact(self.stages.iterate.stride());
         let sum = |row: &[T]| row.iter().fold(T::int(0), |sum, &l| sum + l);
-        (self.failed.0.iter().zip(rows))
+        (self.failed.start.iter().zip(rows))
             .map(|(&y, row)| y + sum(row))
             .collect()
     }

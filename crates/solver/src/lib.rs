@@ -2,7 +2,7 @@
 //! J∇H(y).
 //!
 //! A step is: initial guess → stages → α → accept → update, in `step/step.rs`. Its equations are those of
-//! `equations/oracle.rs`. Time, runs and their certificates belong to `equip-integrate`, which uses
+//! `tests/oracle.rs`. Time, runs and their certificates belong to `equip-integrate`, which uses
 //! [`Core::new`], [`Core::step`] and the methods in `access.rs`.
 //!
 //! Paper: L. Brugnano, F. Iavernaro, D. Trigiante, *Energy and quadratic invariants preserving integrators of
@@ -11,7 +11,7 @@
 
 mod access;
 mod alpha;
-mod equations;
+mod constraint;
 mod memory;
 mod options;
 mod outcome;
@@ -19,15 +19,16 @@ mod policy;
 mod precondition;
 mod step;
 mod step_tangent;
+#[cfg(test)]
+mod tests;
 
-pub use access::FailedPart;
-pub use equations::constraint::Constraint;
+pub use constraint::Constraint;
 pub use equip_iterate::{MAX_STAGES, PowerIteration, State, stride_for};
 pub use memory::SolverMemory;
 pub use options::family::{Alphas, Family};
 pub use options::invariant::Invariant;
 pub use options::step_options::{AlphaPolicy, Preconditioner, StepOptions};
-pub use outcome::failure::{Damaged, Failure};
+pub use outcome::failure::{Damaged, FailedPart, Failure};
 pub use outcome::outcome::{Counts, Outcome};
 pub use outcome::parts::Part;
 pub use step::core::Core;

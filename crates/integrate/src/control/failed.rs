@@ -34,7 +34,7 @@ pub(crate) fn error_of<T: Float>(core: &mut Core<T>, failure: Failure<T>) -> Int
         Failure::NotFinite | Failure::NoConvergence { .. } | Failure::Astray { .. }
     );
     if unsolved {
-        let start = part.start.to_vec();
+        let start = part.start.clone();
         if let Some(size) = escapes(core.energy_mut(), &start, step) {
             return IntegrateError::Escape { time, step, size };
         }

@@ -16,7 +16,7 @@
 //! allocated.
 
 use crate::alpha::least_displacement::{LeastDisplacement, dot};
-use crate::equations::constraint::Constraint;
+use crate::constraint::Constraint;
 use crate::policy::LEADING;
 use equip_autodiff::{Evaluator, Pattern};
 use equip_iterate::{Held, Iterate, LinearIteration, Preconditioner, State};

@@ -71,14 +71,6 @@ impl Family {
             _ => stages,
         }
     }
-
-    /// Whether quadratic invariants are conserved.
-    pub fn conserves_quadratic_invariants(self) -> bool {
-        matches!(
-            self,
-            Family::Gauss | Family::FixedAlpha(_) | Family::Equip(_)
-        )
-    }
 }
 
 impl fmt::Display for Family {

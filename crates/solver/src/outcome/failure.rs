@@ -1,6 +1,19 @@
 //! Why a step failed. The time and size of the failed part are in
 //! [`Core::failed_part`](crate::Core::failed_part).
 
+/// The part of a step that failed last, or the complete step if it was not halved.
+#[derive(Debug)]
+pub struct FailedPart<T> {
+    /// y at the start of the part, length n.
+    pub start: Vec<T>,
+    /// The time at the start of the part.
+    pub time: T,
+    /// The size of the part.
+    pub step: T,
+    /// How often the step could have been halved.
+    pub max_halvings: u32,
+}
+
 /// Why a step failed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Failure<T> {

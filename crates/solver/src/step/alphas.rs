@@ -12,7 +12,7 @@
 //! (hω > s), the step with α = 0 is accepted. It is *uncorrected*: its energy error is left to a later step.
 
 use crate::alpha::admissible::Bounds;
-use crate::equations::constraint::Constraint;
+use crate::constraint::Constraint;
 use crate::options::step_options::AlphaPolicy;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;

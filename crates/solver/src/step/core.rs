@@ -2,8 +2,9 @@
 
 use crate::alpha::direction::Direction;
 use crate::alpha::local_error::LocalError;
-use crate::equations::constraint::Constraint;
+use crate::constraint::Constraint;
 use crate::options::step_options::StepOptions;
+use crate::outcome::failure::FailedPart;
 use crate::outcome::outcome::{Counts, Outcome};
 use crate::outcome::parts::Parts;
 use crate::step::stages::Stages;
@@ -46,8 +47,8 @@ pub struct Core<T: Float> {
     pub(crate) middles: Vec<State<T>>,
     /// The parts of a step, for dense output.
     pub(crate) parts: Parts<T>,
-    /// The state, time and size of the part that failed last.
-    pub(crate) failed: (Vec<T>, T, T),
+    /// The part that failed last.
+    pub(crate) failed: FailedPart<T>,
 }
 
 /// The solver for the α_k.
@@ -128,7 +129,12 @@ impl<T: Float> Core<T> {
             start: vec![T::NAN; n],
             start_energy: T::int(0),
             gradient: vec![T::int(0); n],
-            failed: (vec![T::int(0); n], T::int(0), T::int(0)),
+            failed: FailedPart {
+                start: vec![T::int(0); n],
+                time: T::int(0),
+                step: T::int(0),
+                max_halvings: options.max_halvings,
+            },
             alphas: start_alphas.clone(),
             start_alphas,
             counts: Counts::default(),

@@ -6,8 +6,3 @@ pub(crate) mod compiled;
 pub(crate) mod core;
 pub(crate) mod stages;
 pub(crate) mod step;
-
-#[cfg(test)]
-mod agreement;
-#[cfg(test)]
-mod tests;

@@ -1,9 +1,9 @@
 //! One step, as in the paper: initial guess → stages → α → accept → update.
 //!
-//! The equations are those of [`crate::equations::oracle`]: Z = K(α) L(Z), α = D t, H(y0 + Σ L_i) = H_ref.
+//! The equations are those of `tests/oracle.rs`: Z = K(α) L(Z), α = D t, H(y0 + Σ L_i) = H_ref.
 //! The path to their solution does not affect the solution.
 
-use crate::equations::constraint::Constraint;
+use crate::constraint::Constraint;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
 use crate::policy::SHARE;
@@ -64,8 +64,8 @@ impl<T: Float> Core<T> {
     }
 
     fn fail(&mut self, (y, t, h): (&State<T>, T, T)) {
-        self.failed.0.copy_from_slice(&y.hi);
-        (self.failed.1, self.failed.2) = (t, h);
+        self.failed.start.copy_from_slice(&y.hi);
+        (self.failed.time, self.failed.step) = (t, h);
     }
 
     fn step_at_level(

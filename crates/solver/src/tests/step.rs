@@ -1,6 +1,6 @@
 //! Properties of a step other than the solution of its equations.
 
-use crate::equations::constraint::Constraint;
+use crate::constraint::Constraint;
 use crate::options::family::{Alphas, Family};
 use crate::options::invariant::Invariant;
 use crate::options::step_options::{AlphaPolicy, StepOptions};

@@ -1,12 +1,12 @@
 //! Comparison of the solver with the reference solution: one step from the same state, with each
 //! preconditioner.
 
-use crate::equations::constraint::Constraint;
-use crate::equations::oracle::Oracle;
+use crate::constraint::Constraint;
 use crate::options::family::{Alphas, Family};
 use crate::options::step_options::{Preconditioner, StepOptions};
 use crate::outcome::outcome::Outcome;
 use crate::step::core::Core;
+use crate::tests::oracle::Oracle;
 use equip_autodiff::{Hamiltonian, Var};
 use equip_iterate::State;
 use equip_scalar::{DoubleDouble, Float};
