@@ -1,5 +1,6 @@
 //! The programs and methods that are compared.
 
+mod coefficients;
 pub mod composition;
 pub mod ours;
 pub mod python;

@@ -7,7 +7,6 @@
 //! | [`legendre_at`], [`legendre_integrals_at`], [`legendre_derivatives_at`] | the polynomials P_k at any c |
 //! | [`Tableau`] | A, b, c of any Runge–Kutta method; [`Coefficients::tableau`] constructs them |
 //! | [`conditions`] | residuals of B(p), C(η), D(ζ), symplecticity, symmetry |
-//! | [`composition`] | coefficients of symmetric compositions, from the literature |
 //! | [`trees`], [`order()`] | rooted trees, order conditions, the order of a tableau |
 //!
 //! No coefficient of the Gauss family is a stored decimal: each is computed in the floating-point type in
@@ -28,7 +27,6 @@
 #![forbid(unsafe_code)]
 
 mod coefficients;
-pub mod composition;
 pub mod conditions;
 mod error;
 mod legendre;

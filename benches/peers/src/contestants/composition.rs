@@ -6,11 +6,11 @@
 
 use crate::clock::turn;
 use crate::contestant::{Contestant, Ladder, Ran};
+use crate::contestants::coefficients::{Composition, KAHAN_LI, SOFRONIOU_SPALETTA};
 use crate::problem::Problem;
 use crate::task::Task;
 use equip::scalar::Float;
 use equip::prelude::*;
-use equip::tableau::composition::{Composition, KAHAN_LI, SOFRONIOU_SPALETTA};
 
 /// Sizes of drifts and kicks within a step.
 struct Parts<T> {

@@ -7,7 +7,7 @@
 //! The coefficients solve polynomial systems that have no closed-form solution. The published decimals are
 //! used: 25 digits (order 8) and 32 digits (order 10).
 
-use equip_scalar::Float;
+use equip::scalar::Float;
 
 /// A composition: its order, its name, and the first half of its coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,11 +21,6 @@ pub struct Composition {
 }
 
 impl Composition {
-    /// The number r of composed steps. With Störmer–Verlet this is the number of gradients per step.
-    pub fn stages(&self) -> usize {
-        2 * self.half.len() - 1
-    }
-
     /// γ_1 … γ_r.
     pub fn gammas<T: Float>(&self) -> Vec<T> {
         let read = |text: &&str| T::decimal(text).unwrap_or(T::NAN);
@@ -85,7 +80,7 @@ pub const SOFRONIOU_SPALETTA: Composition = Composition {
 #[cfg(test)]
 mod tests {
     use super::{Composition, KAHAN_LI, SOFRONIOU_SPALETTA};
-    use equip_scalar::{DoubleDouble, Float};
+    use equip::scalar::{DoubleDouble, Float};
 
     type D = DoubleDouble;
 
@@ -100,7 +95,7 @@ mod tests {
     #[test]
     fn odd_power_sums_vanish() {
         for (scheme, bound) in [(KAHAN_LI, 3e-25), (SOFRONIOU_SPALETTA, 2e-31)] {
-            assert_eq!(scheme.gammas::<D>().len(), scheme.stages());
+            assert_eq!(scheme.gammas::<D>().len(), 2 * scheme.half.len() - 1);
             for k in (1..scheme.order as i32).step_by(2) {
                 let off = power_sum(&scheme, k);
                 assert!(off < bound, "{}, k = {k}: {off:e}", scheme.name);
