@@ -30,16 +30,11 @@ pub use options::integrator::Integrator;
 pub use options::method::{Equip, Gauss, Method};
 pub use options::record::Record;
 pub use report::certificate::Certificate;
-pub use report::chaos_indicators::ChaosIndicators;
 pub use report::conserved::Conserved;
-pub use report::energy_jumps::EnergyJumps;
 pub use report::energy_round_off::EnergyRoundOff;
-pub use report::phase_per_step::PhasePerStep;
-pub use report::variable_steps::VariableSteps;
+pub use report::entries::{ChaosIndicators, EnergyJumps, PhasePerStep, VariableSteps};
 #[cfg(feature = "rayon")]
-pub use runs::ensemble::drawn::drawn_start;
-#[cfg(feature = "rayon")]
-pub use runs::ensemble::starts::Starts;
+pub use runs::ensemble::{Starts, drawn_start};
 pub use runs::observer::{NoObserver, Observer};
 pub use runs::prepared::Prepared;
 pub use runs::run::{Run, RunFailure};
@@ -47,6 +42,5 @@ pub use runs::step_events::StepEvents;
 pub use runs::suggest::Target;
 pub use steppers::stepper::Stepper;
 pub use steppers::view::{Step, StepView};
-pub use tangent::chaos::Chaos;
-pub use tangent::tangent_map::TangentMap;
+pub use tangent::{Chaos, TangentMap};
 pub use time::extended::Extended;

@@ -94,30 +94,14 @@ impl Checkpoint {
         for (index, (now, stored)) in now.zip(stored).enumerate() {
             let what = names[index.min(1)];
             let stored: T = stored.read()?;
-            same(
-                what,
-                || in_digits(stored),
-                || in_digits(*now),
-                stored == *now,
-            )?;
+            same(what, stored, *now, in_digits)?;
         }
         let (stored, now) = (self.start_state.len(), q0.len() + p0.len());
-        let what = "length of the state";
-        same(
-            what,
-            || stored.to_string(),
-            || now.to_string(),
-            stored == now,
-        )
+        same("length of the state", stored, now, |n| n.to_string())
     }
 
     fn check_precision<T: Float>(&self) -> Result<(), IntegrateError<T>> {
-        same(
-            "float type",
-            || self.precision.clone(),
-            || T::NAME.to_owned(),
-            self.precision == T::NAME,
-        )
+        same("float type", &*self.precision, T::NAME, str::to_owned)
     }
 
     /// Checks that the checkpoint is complete, and belongs to a run in this float type with these options.
@@ -125,10 +109,7 @@ impl Checkpoint {
         &self,
         options: &[(&'static str, String)],
     ) -> Result<(), IntegrateError<T>> {
-        let equal = |what, stored: &str, now: &str| {
-            same(what, || stored.to_owned(), || now.to_owned(), stored == now)
-        };
-        equal("format", &self.format.to_string(), &FORMAT.to_string())?;
+        same("format", self.format, FORMAT, |n| n.to_string())?;
         if self.checksum != self.sum() {
             let what = "its checksum is not that of its content: it";
             return Err(IntegrateError::CheckpointDamaged { what });
@@ -138,16 +119,10 @@ impl Checkpoint {
             let mut all = self.options.iter();
             let stored = all.find(|(name, _)| name == what);
             let stored = stored.map_or("none", |(_, value)| value.as_str());
-            equal(what, stored, now)?;
+            same(what, stored, now, str::to_owned)?;
         }
         let (stored, now) = (self.options.len(), options.len());
-        let what = "number of options";
-        same(
-            what,
-            || stored.to_string(),
-            || now.to_string(),
-            stored == now,
-        )
+        same("number of options", stored, now, |n| n.to_string())
     }
 
     /// The checksum of the content.
@@ -174,19 +149,19 @@ impl Checkpoint {
     }
 }
 
-/// An error with both values, unless they are equal (`are`).
-fn same<T: Float>(
+/// An error with both values, unless they are equal.
+fn same<T: Float, X: PartialEq>(
     what: &'static str,
-    stored: impl FnOnce() -> String,
-    now: impl FnOnce() -> String,
-    are: bool,
+    stored: X,
+    now: X,
+    text: impl Fn(X) -> String,
 ) -> Result<(), IntegrateError<T>> {
-    if are {
+    if stored == now {
         return Ok(());
     }
     Err(IntegrateError::CheckpointMismatch {
         what,
-        stored: stored(),
-        now: now(),
+        stored: text(stored),
+        now: text(now),
     })
 }

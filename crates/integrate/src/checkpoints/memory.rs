@@ -83,6 +83,11 @@ impl<'a> Memory<'a> {
         Some(values)
     }
 
+    /// The same for one number that a run may not have.
+    pub(crate) fn one<T: Float>(&mut self, name: &'static str, value: Option<T>) -> Option<T> {
+        self.optional(name, value.map(|x| [x])).map(|[x]| x)
+    }
+
     /// The same for a whole number, below 2⁵³.
     pub(crate) fn whole<T: Float>(&mut self, name: &'static str, number: i64) -> i64 {
         let mut stored = T::int(number);

@@ -41,14 +41,6 @@ pub(crate) struct Control {
     pub(crate) next: f64,
 }
 
-/// The decision on a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Judgement {
-    Accept,
-    /// Reject the step and try this size.
-    Refuse(f64),
-}
-
 impl Control {
     pub(crate) fn new(tolerance: f64, stages: usize, most: f64) -> Self {
         let root = |x: f64| power(x, 1.0 / (2 * stages) as f64);
@@ -65,7 +57,8 @@ impl Control {
         self.next = first.min(self.most);
     }
 
-    /// Accepts or rejects a step of size `h` by its estimate. If it is accepted, proposes the next size.
+    /// Accepts or rejects a step of size `h` by its estimate. If it is accepted, proposes the next size;
+    /// otherwise returns the size to try instead.
     /// `contraction` is the contraction of its iterations, if there were any, scaled to be proportional to h.
     /// If the initial guess came from a rejected attempt (`is_retried`), the contraction is not typical, and
     /// does not shorten the next step.
@@ -74,10 +67,10 @@ impl Control {
         h: f64,
         estimate: &Estimate,
         (contraction, is_retried): (Option<f64>, bool),
-    ) -> Judgement {
+    ) -> Option<f64> {
         let ratio = self.ratio(estimate);
         if !(ratio >= self.accepted) {
-            return Judgement::Refuse(h * (SAFETY * ratio).max(1.0 / MOST_CHANGE));
+            return Some(h * (SAFETY * ratio).max(1.0 / MOST_CHANGE));
         }
         let growth = ratio.min(MOST_CHANGE);
         let near = estimate.nearness;
@@ -88,7 +81,7 @@ impl Control {
         let least = if is_retried { 1.0 } else { 0.0 };
         share = share.min((cheapest * predicted.min(1.0)).max(least));
         self.next = (h * share).min(self.most);
-        Judgement::Accept
+        None
     }
 
     /// Whether the estimate of a step exceeds the tolerance.
@@ -117,11 +110,6 @@ impl Control {
     /// (tol / e)^{1/(2s)}.
     fn ratio(&self, estimate: &Estimate) -> f64 {
         self.wanted / estimate.decay
-    }
-
-    /// The size to try after a step of size `h` that could not be solved.
-    pub(crate) fn shorter(&self, h: f64) -> f64 {
-        h / 2.0
     }
 
     /// A longer size for the first step, at most `longest`, if it is more than twice the present size `h`.

@@ -51,9 +51,9 @@ pub(crate) struct Crossings<T: Float> {
     looks: u32,
     halvings: u32,
     /// Whether the step was shortened to a position where it may touch a switch.
-    has_touched: bool,
+    pub(crate) has_touched: bool,
     /// Whether the step before met a switch that may have hidden others, such as knots of a table.
-    is_among_knots: bool,
+    pub(crate) is_among_knots: bool,
     has_knots: bool,
     /// The switches that are ignored.
     is_passed: Vec<bool>,
@@ -147,11 +147,6 @@ impl<T: Float> Crossings<T> {
         self.aim.is_some()
     }
 
-    /// Whether the step was shortened to a position where it may touch a switch.
-    pub(crate) fn has_touched(&self) -> bool {
-        self.has_touched
-    }
-
     /// The number of switches on which the last step examined ends.
     pub(crate) fn met(&self) -> u64 {
         self.met.len() as u64
@@ -177,17 +172,11 @@ impl<T: Float> Crossings<T> {
     /// Writes or reads the state of the switches for the next step.
     pub(crate) fn remember(&mut self, memory: &mut Memory<'_>) {
         for side in &mut self.sides {
-            let sign = side.map(|sign| [T::int(sign.into())]);
-            let sign = memory.optional("the sides of the switches", sign);
-            *side = sign.map(|[sign]| side_of(sign));
+            let sign = side.map(|sign| T::int(sign.into()));
+            *side = memory.one("the sides of the switches", sign).map(side_of);
         }
         let is_among_knots = u64::from(self.is_among_knots);
         self.is_among_knots = memory.count::<T>("the knots", is_among_knots) != 0;
-    }
-
-    /// Whether a step without sign changes may cross two knots.
-    pub(crate) fn is_among_knots(&self) -> bool {
-        self.is_among_knots
     }
 
     /// Whether the effect of discontinuities on the last step examined exceeds its tolerance. The step has

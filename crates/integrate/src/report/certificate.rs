@@ -1,13 +1,10 @@
 //! The certificate of a run: what the run conserved, as measured.
 
 use crate::options::method::Method;
-use crate::report::chaos_indicators::ChaosIndicators;
 use crate::report::conserved::Conserved;
-use crate::report::energy_jumps::EnergyJumps;
 use crate::report::energy_round_off::EnergyRoundOff;
-use crate::report::phase_per_step::PhasePerStep;
+use crate::report::entries::{ChaosIndicators, EnergyJumps, PhasePerStep, VariableSteps};
 use crate::report::shown::{LARGE, shown};
-use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 use std::fmt;

@@ -2,8 +2,8 @@
 //! [`Certificate`].
 
 use crate::report::certificate::Certificate;
-use crate::report::energy_jumps::EnergyJumps;
 use crate::report::energy_round_off::EnergyRoundOff;
+use crate::report::entries::EnergyJumps;
 use crate::report::shown::shown;
 use equip_scalar::Float;
 use equip_solver::Outcome;

@@ -29,7 +29,7 @@ impl<T: Float> Ready<T> {
         begin: Stepper::begin,
         resume: Stepper::resume,
         run: Integrator::run,
-        advance: Stepper::step_on,
+        advance: |steps| steps.control.step(&mut steps.inner, false),
         advance_to,
     };
 }

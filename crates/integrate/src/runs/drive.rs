@@ -1,9 +1,13 @@
-//! The loop of a complete run, the same for fixed and for variable steps: step → dense output and events →
-//! observer → store.
+//! A complete run: what it needs beside its steps, and its loop, the same for fixed and for variable steps:
+//! step → dense output and events → observer → store.
 
+use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::memory::{Memory, Numbers};
 use crate::error::IntegrateError;
 use crate::events::watch::{CLOSEST, EventsAt};
+use crate::options::common::Options;
+use crate::options::event::Event;
+use crate::options::integrator::Integrator;
 use crate::options::record::Record;
 use crate::runs::dense_watch::DenseWatch;
 use crate::runs::observer::Observer;
@@ -11,22 +15,94 @@ use crate::runs::outputs::Outputs;
 use crate::runs::run::{Run, RunFailure};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
-use crate::tangent::chaos::Chaos;
+use crate::tangent::{Chaos, any_tangent_vector};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
 
 /// The consumers of the steps of a run.
 #[derive(Debug)]
-pub(crate) struct Watchers<'a, T: Float> {
-    pub(crate) record: Record,
+struct Watchers<'a, T: Float> {
+    record: Record,
     /// Output by extra steps.
-    pub(crate) outputs: Option<Outputs<'a, T>>,
-    pub(crate) dense: Option<DenseWatch<T>>,
-    pub(crate) chaos: Option<Chaos<T>>,
+    outputs: Option<Outputs<'a, T>>,
+    dense: Option<DenseWatch<T>>,
+    chaos: Option<Chaos<T>>,
+}
+
+impl<T: Float> Integrator<T> {
+    /// Continues the run of `stepper`, which has been started or resumed, to `end`.
+    pub(crate) fn run(
+        &self,
+        system: &Hamiltonian,
+        stepper: &mut Stepper<T>,
+        (end, from): (T, Option<&Checkpoint>),
+        observer: &mut dyn Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        stepper.set_end(end)?;
+        let inner = &mut stepper.inner;
+        self.options.check_times(inner.stretch_start(), end)?;
+        let (now, direction) = (inner.time, inner.direction);
+        let times = &self.options.output_times;
+        let times = &times[times.partition_point(|&t| direction.is_before(t, now))..];
+        // If the time after the next step is known, outputs are computed by separate steps, which must not
+        // affect the run.
+        let by_steps = stepper.control.next_time().is_some();
+        let outputs = match times {
+            [] => None,
+            _ if by_steps => Some(Outputs::new(inner.beside(self, system)?, times)),
+            _ => None,
+        };
+        if let Some(domains) = &mut inner.domains {
+            domains.may_end_before = self.options.events.iter().any(Event::acts);
+        }
+        let by_polynomial = if by_steps { &[] } else { times };
+        if outputs.is_some() {
+            inner.core.keep_parts();
+        }
+        let watchers = Watchers {
+            record: self.options.record,
+            outputs,
+            dense: DenseWatch::new(system, &self.options, by_polynomial, inner)?,
+            chaos: chaos_of_run(system, &self.options, stepper, from)?,
+        };
+        drive(stepper, watchers, observer)
+    }
+}
+
+/// The tangent vector of a run with `options`, if requested, from its start or from the checkpoint `from`.
+///
+/// # Errors
+/// The checkpoint has a tangent vector and the options have none, or vice versa.
+fn chaos_of_run<T: Float>(
+    system: &Hamiltonian,
+    options: &Options<T>,
+    run: &mut Stepper<T>,
+    from: Option<&Checkpoint>,
+) -> Result<Option<Chaos<T>>, IntegrateError<T>> {
+    let follows = from.map_or(options.chaos, |from| from.chaos.is_some());
+    if follows != options.chaos {
+        let word = |follows| if follows { "followed" } else { "none followed" };
+        return Err(IntegrateError::CheckpointMismatch {
+            what: "tangent vector",
+            stored: word(follows).to_owned(),
+            now: word(options.chaos).to_owned(),
+        });
+    }
+    if !options.chaos {
+        return Ok(None);
+    }
+    let mut chaos = Chaos::new(system, run, &any_tangent_vector(2 * run.inner.m));
+    if let Some(numbers) = from.and_then(|from| from.chaos.as_ref()) {
+        let mut memory = Memory::to_read(numbers);
+        chaos.remember(&mut memory);
+        memory.check()?;
+    }
+    Ok(Some(chaos))
 }
 
 /// Runs the loop.
-pub(crate) fn drive<T: Float>(
+fn drive<T: Float>(
     steps: &mut Stepper<T>,
     mut watchers: Watchers<'_, T>,
     observer: &mut dyn Observer<T>,
@@ -52,19 +128,19 @@ fn watch<T: Float>(
     run: &mut Run<T>,
 ) -> Result<(), IntegrateError<T>> {
     let mut changed: Option<T> = None;
-    while !steps.is_done() {
+    while !steps.control.is_done(&steps.inner) {
         if let (Some(outputs), Some(end)) = (&mut watchers.outputs, steps.control.next_time()) {
             outputs.up_to(&steps.inner, Some(end), run);
         }
         let time_low = steps.control.time_low();
         let (before, occurred) = (steps.inner.before_leaving(), run.occurrences.len());
-        steps.step()?;
+        steps.control.step(&mut steps.inner, true)?;
         let stepper = &steps.inner;
         if let Some(outputs) = &mut watchers.outputs {
             outputs.within(stepper, run);
         }
         if let Some(chaos) = &mut watchers.chaos {
-            chaos.see_step(stepper)?;
+            chaos.see(steps)?;
             run.certificate.chaos = Some(chaos.indicators());
         }
         let at = match &mut watchers.dense {
@@ -102,11 +178,11 @@ fn watch<T: Float>(
             stop |= observer.checkpoint(checkpoint) == ControlFlow::Break(());
         }
         let view = steps.view();
-        if stop || steps.is_done() || watchers.record.keeps(view.index) {
+        if stop || steps.control.is_done(&steps.inner) || watchers.record.keeps(view.index) {
             run.keep(&view);
         }
         if stop {
-            run.stop();
+            run.stopped = true;
             return Ok(());
         }
     }

@@ -1,16 +1,10 @@
 //! Complete runs over an interval, with steps of any kind.
 
 use crate::checkpoints::checkpoint::Checkpoint;
-use crate::options::event::Event;
 use crate::options::integrator::Integrator;
-use crate::runs::chaos_watch::chaos_of_run;
 use crate::runs::compiled::ready;
-use crate::runs::dense_watch::DenseWatch;
-use crate::runs::drive::{Watchers, drive};
 use crate::runs::observer::{NoObserver, Observer};
-use crate::runs::outputs::Outputs;
 use crate::runs::run::{Run, RunFailure};
-use crate::steppers::stepper::Stepper;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
@@ -88,45 +82,5 @@ impl<T: Float> Integrator<T> {
             (end, Some(checkpoint)),
             observer,
         )
-    }
-}
-
-impl<T: Float> Integrator<T> {
-    /// Continues the run of `stepper`, which has been started or resumed, to `end`.
-    pub(crate) fn run(
-        &self,
-        system: &Hamiltonian,
-        stepper: &mut Stepper<T>,
-        (end, from): (T, Option<&Checkpoint>),
-        observer: &mut dyn Observer<T>,
-    ) -> Result<Run<T>, RunFailure<T>> {
-        stepper.set_end(end)?;
-        let inner = &mut stepper.inner;
-        self.options.check_times(inner.stretch_start(), end)?;
-        let (now, direction) = (inner.time, inner.direction);
-        let times = &self.options.output_times;
-        let times = &times[times.partition_point(|&t| direction.is_before(t, now))..];
-        // If the time after the next step is known, outputs are computed by separate steps, which must not
-        // affect the run.
-        let by_steps = stepper.control.next_time().is_some();
-        let outputs = match times {
-            [] => None,
-            _ if by_steps => Some(Outputs::new(inner.beside(self, system)?, times)),
-            _ => None,
-        };
-        if let Some(domains) = &mut inner.domains {
-            domains.may_end_before = self.options.events.iter().any(Event::acts);
-        }
-        let by_polynomial = if by_steps { &[] } else { times };
-        if outputs.is_some() {
-            inner.core.keep_parts();
-        }
-        let watchers = Watchers {
-            record: self.options.record,
-            outputs,
-            dense: DenseWatch::new(system, &self.options, by_polynomial, inner)?,
-            chaos: chaos_of_run(system, &self.options, inner, from)?,
-        };
-        drive(stepper, watchers, observer)
     }
 }

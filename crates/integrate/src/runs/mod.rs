@@ -1,6 +1,5 @@
 //! Complete runs over an interval.
 
-pub(crate) mod chaos_watch;
 pub(crate) mod compiled;
 pub(crate) mod dense_watch;
 pub(crate) mod drive;

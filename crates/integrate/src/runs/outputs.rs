@@ -27,7 +27,7 @@ impl<'a, T: Float> Outputs<'a, T> {
 
     /// Called if the run continues from another state within the step: the outputs beyond it are recomputed.
     pub(crate) fn rewind(&mut self, run: &Run<T>) {
-        self.done = run.output_count();
+        self.done = run.output_times.len();
     }
 
     /// Computes the outputs before `end`, or all remaining ones, from the present state of `main`, up to the

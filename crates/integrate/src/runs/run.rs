@@ -18,12 +18,12 @@ pub struct Run<T> {
     states: Vec<T>,
     energy_errors: Vec<T>,
     outcomes: Vec<Outcome>,
-    output_times: Vec<T>,
+    pub(crate) output_times: Vec<T>,
     outputs: Vec<T>,
     pub(crate) trajectory: Option<Trajectory<T>>,
     pub(crate) occurrences: Vec<Occurrence<T>>,
     ended: Option<T>,
-    stopped: bool,
+    pub(crate) stopped: bool,
     pub(crate) certificate: Certificate<T>,
 }
 
@@ -81,16 +81,6 @@ impl<T: Float> Run<T> {
         let (q, p) = visible(y, self.m);
         self.outputs.extend_from_slice(q);
         self.outputs.extend_from_slice(p);
-    }
-
-    /// The number of states at requested times.
-    pub(crate) fn output_count(&self) -> usize {
-        self.output_times.len()
-    }
-
-    /// Ends the run, by an observer.
-    pub(crate) fn stop(&mut self) {
-        self.stopped = true;
     }
 
     /// Ends the run within the last step, by a terminal event.

@@ -6,9 +6,8 @@ use crate::checkpoints::exact::Exact;
 use crate::checkpoints::memory::{Memory, Numbers};
 use crate::error::IntegrateError;
 use crate::report::conserved::Watched;
-use crate::report::energy_jumps::EnergyJumps;
+use crate::report::entries::{EnergyJumps, PhasePerStep};
 use crate::report::measured::Measured;
-use crate::report::phase_per_step::PhasePerStep;
 use crate::report::stopwatch::Stopwatch;
 use crate::steppers::integration::Integration;
 use crate::time::direction::TimeDirection;
@@ -146,12 +145,8 @@ fn remember_measured<T: Float>(measured: &mut Measured<T>, memory: &mut Memory<'
         memory.any("the range of α", &mut ends);
         *range = ends.into();
     }
-    let in_levels = measured.in_levels.map(|levels| [levels]);
-    let in_levels = memory.optional("the errors in round-off levels", in_levels);
-    measured.in_levels = in_levels.map(|[levels]| levels);
-    let round_off = measured.round_off.map(|level| [level]);
-    let round_off = memory.optional("the round-off level", round_off);
-    measured.round_off = round_off.map(|[level]| level);
+    measured.in_levels = memory.one("the errors in round-off levels", measured.in_levels);
+    measured.round_off = memory.one("the round-off level", measured.round_off);
     if let Some(of) = &mut measured.energy_round_off {
         let mut levels = [of.round_off, of.time, of.scale, of.last, of.recent_kinetic];
         memory.any("the round-off levels of the energy", &mut levels);
@@ -167,7 +162,7 @@ fn remember_measured<T: Float>(measured: &mut Measured<T>, memory: &mut Memory<'
         memory.count::<T>("the discontinuities", measured.discontinuities_crossed);
     let count = measured.energy_jumps.map_or(0, |jumps| jumps.count);
     let count = memory.count::<T>("the number of jumps of H", count);
-    let largest = measured.energy_jumps.map(|jumps| [jumps.largest]);
-    let largest = memory.optional("the largest jump of H", largest);
-    measured.energy_jumps = largest.map(|[largest]| EnergyJumps { count, largest });
+    let largest = measured.energy_jumps.map(|jumps| jumps.largest);
+    let largest = memory.one("the largest jump of H", largest);
+    measured.energy_jumps = largest.map(|largest| EnergyJumps { count, largest });
 }

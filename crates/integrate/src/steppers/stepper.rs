@@ -87,16 +87,6 @@ impl<T: Float> Stepper<T> {
         self.control.turn_back(&mut self.inner);
     }
 
-    /// Makes the next step, without regard to the end.
-    pub(crate) fn step_on(&mut self) -> Result<(), IntegrateError<T>> {
-        self.control.step(&mut self.inner, false)
-    }
-
-    /// Makes the next step, not beyond the end.
-    pub(crate) fn step(&mut self) -> Result<(), IntegrateError<T>> {
-        self.control.step(&mut self.inner, true)
-    }
-
     /// Makes the next step towards the time `t`, forward or backward, but not beyond `t`. Repeated while it
     /// returns `true`, it makes the steps of [`advance_to`](Self::advance_to), and the caller may stop after
     /// each step.
@@ -126,10 +116,6 @@ impl<T: Float> Stepper<T> {
             });
         }
         self.control.set_end(run, end)
-    }
-
-    pub(crate) fn is_done(&self) -> bool {
-        self.control.is_done(&self.inner)
     }
 
     /// The present state of the run, to be resumed with the same options.

@@ -1,6 +1,6 @@
 //! [`StepView`]: an accepted step.
 
-use crate::report::chaos_indicators::ChaosIndicators;
+use crate::report::entries::ChaosIndicators;
 use equip_scalar::Float;
 use equip_solver::Outcome;
 

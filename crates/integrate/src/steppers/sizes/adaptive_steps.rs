@@ -10,7 +10,7 @@
 //! A step that crosses a switch of H (a discontinuity of H or of a derivative) is replaced by a shorter one
 //! that ends on the switch ([`super::over_switches`]).
 
-use crate::control::controller::{Control, Judgement};
+use crate::control::controller::Control;
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::control::flow::Flow;
@@ -18,7 +18,7 @@ use crate::control::policy::{MOST_TRIES, PART};
 use crate::control::stuck::{TooSmall, shortest_at};
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
-use crate::report::variable_steps::VariableSteps;
+use crate::report::entries::VariableSteps;
 use crate::steppers::integration::Integration;
 use crate::steppers::sizes::made::{EndIs, Made, Place};
 use equip_scalar::Float;
@@ -88,79 +88,65 @@ impl<T: Float> AdaptiveSteps<T> {
                 return Err(self.too_small(run, place.size, cause));
             }
             let h = place.size.to_f64();
-            match self.make_up_to_switches(run, place, end) {
-                Ok(Made::OverSwitch(shorter)) => {
+            let made = match self.make_up_to_switches(run, place, end) {
+                Ok(made) => made,
+                Err(error) if fails_in_shorter_steps(&error) => return Err(error),
+                Err(error) => {
+                    (size, cause) = (h / 2.0, Some(error));
+                    proposed = size;
+                    count(run, |steps| &mut steps.failed);
                     self.tries = None;
-                    run.core.refuse();
-                    (to_switch, is_retried) = (Some(shorter), true);
-                }
-                Ok(Made::OverKnots) => {
-                    self.tries = None;
-                    run.core.refuse();
-                    (size, is_retried) = (self.control.shorter(h), true);
-                    longest = size;
                     self.stop_aiming();
+                    continue;
                 }
-                Ok(Made::Step(outcome, _, EndIs::Smooth))
+            };
+            // The step is accepted, or repeated with another size.
+            let mut tries = None;
+            match made {
+                Made::OverSwitch(shorter) => to_switch = Some(shorter),
+                Made::OverKnots => {
+                    size = h / 2.0;
+                    longest = size;
+                }
+                Made::Step(outcome, _, EndIs::Smooth)
                     if was_corrected
                         && may_be_corrected(outcome)
                         && run.core.has_made_errors()
                         && h > shortest
                         && !place.cut =>
                 {
-                    self.tries = None;
-                    run.core.refuse();
-                    count(run, |steps| &mut steps.failed);
-                    (size, is_retried) = (self.control.shorter(h), true);
+                    (size, cause) = (h / 2.0, None);
                     (proposed, longest) = (size, size);
-                    cause = None;
-                    self.stop_aiming();
+                    count(run, |steps| &mut steps.failed);
                 }
-                Ok(Made::Step(outcome, estimate, end_is)) => {
+                Made::Step(outcome, estimate, end_is) => {
                     let contraction = run.core.contraction();
                     let limits = (contraction, self.longest_first);
-                    if let Some(tries) = self.tries.filter(|&tries| tries < MOST_TRIES)
+                    if let Some(made) = self.tries.filter(|&tries| tries < MOST_TRIES)
                         && !place.cut
                         && end_is == EndIs::Smooth
                         && let Some(longer) = self.control.first_is_timid(h, &estimate, limits)
                     {
-                        self.tries = Some(tries + 1);
-                        run.core.refuse();
-                        (size, is_retried) = (longer, true);
-                        continue;
-                    }
-                    match (self.control).judge(h, &estimate, (contraction, is_retried)) {
-                        Judgement::Accept => {
-                            let signed = run.direction.signed(place.size);
-                            run.check_domains(signed)?;
-                            self.accept(run, place, outcome);
-                            self.accept_switches(run, end_is, (h, proposed));
-                            let next = &mut self.control.next;
-                            *next = next.min(longest);
-                            return Ok(());
-                        }
-                        Judgement::Refuse(shorter) => {
-                            self.tries = None;
-                            run.core.refuse();
-                            count(run, |steps| &mut steps.rejected);
-                            cause = None;
-                            (size, is_retried) = (shorter, true);
-                            proposed = shorter;
-                            self.stop_aiming();
-                        }
+                        (size, tries) = (longer, Some(made + 1));
+                    } else if let Some(shorter) =
+                        (self.control).judge(h, &estimate, (contraction, is_retried))
+                    {
+                        (size, cause) = (shorter, None);
+                        proposed = size;
+                        count(run, |steps| &mut steps.rejected);
+                    } else {
+                        run.check_domains(run.direction.signed(place.size))?;
+                        self.accept(run, place, outcome);
+                        self.accept_switches(run, end_is, (h, proposed));
+                        self.control.next = self.control.next.min(longest);
+                        return Ok(());
                     }
                 }
-                Err(error) => {
-                    if fails_in_shorter_steps(&error) {
-                        return Err(error);
-                    }
-                    self.tries = None;
-                    count(run, |steps| &mut steps.failed);
-                    size = self.control.shorter(h);
-                    proposed = size;
-                    cause = Some(error);
-                    self.stop_aiming();
-                }
+            }
+            (self.tries, is_retried) = (tries, true);
+            run.core.refuse();
+            if to_switch.is_none() {
+                self.stop_aiming();
             }
         }
     }

@@ -10,7 +10,7 @@ use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
 use crate::options::method::Method;
 use crate::options::tolerance::Tolerance;
-use crate::report::variable_steps::VariableSteps;
+use crate::report::entries::VariableSteps;
 use crate::steppers::integration::Integration;
 use crate::steppers::sizes::adaptive_steps::AdaptiveSteps;
 use crate::steppers::step_control::{StepControl, way};
@@ -83,9 +83,9 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
         let mut next = T::exact(self.control.next);
         memory.finite("the next step", from_mut(&mut next));
         self.control.next = next.to_f64();
-        let tries = self.tries.map(|tries| [T::int(tries.into())]);
-        let tries = memory.optional("the attempts of the first step", tries);
-        self.tries = tries.map(|[tries]| tries.to_f64() as u32);
+        let tries = self.tries.map(|tries| T::int(tries.into()));
+        let tries = memory.one("the attempts of the first step", tries);
+        self.tries = tries.map(|tries| tries.to_f64() as u32);
         if let Some(steps) = &mut run.measured.variable {
             let mut sizes = [steps.smallest, steps.largest];
             memory.any("the sizes of the steps", &mut sizes);

@@ -65,7 +65,7 @@ impl<T: Float> AdaptiveSteps<T> {
                 EndIs::Smooth
             }
             Some(Meeting::Missed) => EndIs::BeyondSwitch,
-            None if crossings.is_among_knots() => {
+            None if crossings.is_among_knots => {
                 if self.is_rough(run, h, [T::ratio(1, 2); 2]) && self.may_halve() {
                     return Ok(Made::OverKnots);
                 }
@@ -130,7 +130,7 @@ impl<T: Float> AdaptiveSteps<T> {
         };
         let is_on_switch = end_is == EndIs::OnSwitch;
         crossings.accept((end_is != EndIs::Smooth, is_on_switch));
-        if is_on_switch || crossings.has_touched() {
+        if is_on_switch || crossings.has_touched {
             let next = &mut self.control.next;
             if *next >= h {
                 *next = proposed.max(h);
