@@ -3,7 +3,7 @@
 
 use crate::constraint::Constraint;
 use crate::memory::SolverMemory;
-use crate::outcome::failure::{Damaged, FailedPart};
+use crate::outcome::failure::FailedPart;
 use crate::outcome::outcome::Counts;
 use crate::outcome::parts::Part;
 use crate::step::core::Core;
@@ -11,6 +11,7 @@ use equip_autodiff::Evaluator;
 use equip_iterate::State;
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
+use std::slice::from_mut;
 
 /// The fixed data, and the counts.
 impl<T: Float> Core<T> {
@@ -249,45 +250,19 @@ impl<T: Float> Constraint<T> {
 
 /// The state of the solver between steps.
 impl<T: Float> Core<T> {
-    /// Everything on which the next step depends, apart from state, time, size and counts.
-    pub fn memory(&mut self) -> SolverMemory<T> {
-        let mut memory = SolverMemory::from_parts(Vec::new());
-        let (start, h) = self.stages.last.unwrap_or((T::int(0), T::int(0)));
-        let mut l =
-            vec![T::int(0); self.stages.iterate.stages() * self.stages.iterate.components()];
-        self.stages.iterate.increments_by_stage(&mut l);
-        memory.put("guess", [start, h].into_iter().chain(l));
-        memory.put("alphas", self.alphas.iter().copied());
-        for (name, number) in [
-            ("references", (|c| c.reference) as fn(&Constraint<T>) -> T),
-            ("round-off levels", |c| c.late),
-            ("start errors", |c| c.start_error),
-        ] {
-            memory.put(name, self.constraints.iter().map(number));
-        }
-        let gradients = self.constraints.iter().flat_map(|c| &c.start_gradient);
-        memory.put("gradients", self.start.iter().chain(gradients).copied());
-        memory.put("energy", [self.start_energy]);
-        let handed_on = self.alpha_solver.iter().flat_map(|solver| solver.handed_on);
-        memory.put("handed on", handed_on);
-        memory.put("noise", [T::exact(self.noise_expected)]);
-        memory.put("contraction", [T::exact(self.stages.contraction.rate())]);
-        self.stages.choice.save(&mut memory);
-        memory
-    }
-
-    /// Restores the memory of another solver of the same system and options.
-    ///
-    /// # Errors
-    /// If an entry is missing or does not fit. The solver must then be discarded.
-    pub fn restore(&mut self, memory: &SolverMemory<T>) -> Result<(), Damaged> {
-        let n = self.stages.iterate.components();
-        let mut guess = vec![T::int(0); 2 + self.stages.iterate.stages() * n];
-        memory.read("guess", &mut guess)?;
-        self.stages.iterate.set_increments(&guess[2..]);
-        self.stages.last = (guess[1] != T::int(0)).then_some((guess[0], guess[1]));
-        memory.read("alphas", &mut self.alphas)?;
-        let mut numbers = vec![T::int(0); self.constraints.len()];
+    /// Writes everything on which the next step depends, apart from state, time, size and counts, or restores
+    /// the memory of another solver of the same system and options.
+    pub fn remember(&mut self, memory: &mut dyn SolverMemory<T>) {
+        let (iterate, zero) = (&mut self.stages.iterate, T::int(0));
+        let n = iterate.components();
+        let (start, h) = self.stages.last.unwrap_or((zero, zero));
+        let mut guess = vec![zero; 2 + iterate.stages() * n];
+        (guess[0], guess[1]) = (start, h);
+        iterate.increments_by_stage(&mut guess[2..]);
+        memory.numbers("guess", &mut guess);
+        iterate.set_increments(&guess[2..]);
+        self.stages.last = (guess[1] != zero).then_some((guess[0], guess[1]));
+        memory.numbers("alphas", &mut self.alphas);
         for (name, number) in [
             (
                 "references",
@@ -296,28 +271,30 @@ impl<T: Float> Core<T> {
             ("round-off levels", |c| &mut c.late),
             ("start errors", |c| &mut c.start_error),
         ] {
-            memory.read(name, &mut numbers)?;
+            let mut numbers: Vec<T> = self.constraints.iter_mut().map(|c| *number(c)).collect();
+            memory.numbers(name, &mut numbers);
             for (constraint, &x) in self.constraints.iter_mut().zip(&numbers) {
                 *number(constraint) = x;
             }
         }
-        let mut gradients = vec![T::int(0); n * (1 + self.constraints.len())];
-        memory.read("gradients", &mut gradients)?;
+        let mut gradients = self.start.clone();
+        gradients.extend(self.constraints.iter().flat_map(|c| &c.start_gradient));
+        memory.numbers("gradients", &mut gradients);
         let (start, gradients) = gradients.split_at(n);
         self.start.copy_from_slice(start);
         for (constraint, gradient) in self.constraints.iter_mut().zip(gradients.chunks_exact(n)) {
             constraint.start_gradient.copy_from_slice(gradient);
         }
-        [self.start_energy] = memory.numbers("energy")?;
-        if let Some(solver) = &mut self.alpha_solver {
-            memory.read("handed on", &mut solver.handed_on)?;
+        memory.numbers("energy", from_mut(&mut self.start_energy));
+        match &mut self.alpha_solver {
+            Some(solver) => memory.numbers("handed on", &mut solver.handed_on),
+            None => memory.numbers("handed on", &mut []),
         }
-        let [noise] = memory.numbers("noise")?;
-        self.noise_expected = noise.to_f64();
-        let [rate] = memory.numbers("contraction")?;
-        self.stages.contraction.set_rate(rate.to_f64());
-        self.stages
-            .choice
-            .restore(&self.stages.method, &self.stages.iterate, memory)
+        memory.double("noise", &mut self.noise_expected);
+        let mut rate = self.stages.contraction.rate();
+        memory.double("contraction", &mut rate);
+        self.stages.contraction.set_rate(rate);
+        let at = (&self.stages.method, &self.stages.iterate);
+        self.stages.choice.remember(at, memory);
     }
 }

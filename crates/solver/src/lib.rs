@@ -28,7 +28,7 @@ pub use memory::SolverMemory;
 pub use options::family::{Alphas, Family};
 pub use options::invariant::Invariant;
 pub use options::step_options::{AlphaPolicy, Preconditioner, StepOptions};
-pub use outcome::failure::{Damaged, FailedPart, Failure};
+pub use outcome::failure::{FailedPart, Failure};
 pub use outcome::outcome::{Counts, Outcome};
 pub use outcome::parts::Part;
 pub use step::core::Core;

@@ -1,54 +1,38 @@
-//! [`SolverMemory`]: the state of a solver between steps, as named lists of numbers.
+//! [`SolverMemory`]: where the state of a solver between steps is written to, or restored from.
 
-use crate::outcome::failure::Damaged;
 use equip_scalar::Float;
+use std::slice::from_mut;
 
-/// Everything on which the next step depends, apart from state, time and size. A solver that restores it
-/// continues bit for bit. The meaning of the names is internal to the solver.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SolverMemory<T> {
-    parts: Vec<(String, Vec<T>)>,
-}
+/// Everything on which the next step depends, apart from state, time and size, as named lists of numbers. A
+/// solver that restores it continues bit for bit. The meaning of the names is internal to the solver. Each
+/// list is named once: the same call writes it, or replaces it by the stored one.
+pub trait SolverMemory<T: Float> {
+    /// Whether lists are restored.
+    fn is_read(&self) -> bool;
 
-impl<T: Float> SolverMemory<T> {
-    /// A memory with these parts, as returned by [`parts`](Self::parts).
-    pub fn from_parts(parts: Vec<(String, Vec<T>)>) -> Self {
-        SolverMemory { parts }
-    }
+    /// Writes `numbers` under this name, or replaces them by the stored list of this name.
+    fn list(&mut self, name: &'static str, numbers: &mut Vec<T>);
 
-    /// The parts, each with its name.
-    pub fn parts(&self) -> &[(String, Vec<T>)] {
-        &self.parts
-    }
+    /// Called with what holds of the list of this name in every memory. If it does not hold, the solver must
+    /// be discarded.
+    fn check_that(&mut self, is_right: bool, name: &'static str);
 
-    pub(crate) fn put(&mut self, name: &str, numbers: impl IntoIterator<Item = T>) {
-        let numbers = numbers.into_iter().collect();
-        self.parts.push((name.to_owned(), numbers));
-    }
-
-    /// The part of this name, if there is one.
-    pub(crate) fn find(&self, name: &str) -> Option<&[T]> {
-        let mut parts = self.parts.iter();
-        parts
-            .find(|part| part.0 == name)
-            .map(|part| part.1.as_slice())
-    }
-
-    /// Reads the part of this name into `out`. Their lengths must agree.
-    pub(crate) fn read(&self, name: &'static str, out: &mut [T]) -> Result<(), Damaged> {
-        match self.find(name) {
-            Some(part) if part.len() == out.len() => {
-                out.copy_from_slice(part);
-                Ok(())
-            }
-            _ => Err(Damaged { what: name }),
+    /// [`list`](Self::list) for a list whose length does not change.
+    fn numbers(&mut self, name: &'static str, numbers: &mut [T]) {
+        let mut list = numbers.to_vec();
+        self.list(name, &mut list);
+        self.check_that(list.len() == numbers.len(), name);
+        if list.len() == numbers.len() {
+            numbers.copy_from_slice(&list);
         }
     }
 
-    /// Reads the part of this name as N numbers.
-    pub(crate) fn numbers<const N: usize>(&self, name: &'static str) -> Result<[T; N], Damaged> {
-        let mut numbers = [T::int(0); N];
-        self.read(name, &mut numbers)?;
-        Ok(numbers)
+    /// [`list`](Self::list) for one double.
+    fn double(&mut self, name: &'static str, number: &mut f64) {
+        let mut stored = T::exact(*number);
+        self.numbers(name, from_mut(&mut stored));
+        if self.is_read() {
+            *number = stored.to_f64();
+        }
     }
 }

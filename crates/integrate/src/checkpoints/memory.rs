@@ -6,6 +6,7 @@
 use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
 use equip_scalar::Float;
+use equip_solver::SolverMemory;
 use std::slice::{self, from_mut};
 
 /// Lists of numbers by name.
@@ -128,5 +129,30 @@ impl<'a> Memory<'a> {
         if !is_right {
             self.damaged.get_or_insert(name);
         }
+    }
+}
+
+/// The lists of the solver.
+impl<T: Float> SolverMemory<T> for Memory<'_> {
+    fn is_read(&self) -> bool {
+        matches!(self.numbers, Way::Read(_))
+    }
+
+    fn list(&mut self, name: &'static str, numbers: &mut Vec<T>) {
+        let Some(stored) = self.next(name, || Exact::all(numbers)) else {
+            return;
+        };
+        let read = stored.iter().map(Exact::read);
+        match read.collect::<Result<_, _>>() {
+            Ok(read) => *numbers = read,
+            Err(_) => self.check_that(false, name),
+        }
+        // The gradients begin with a state that is NaN if there are none.
+        let is_none = name == "gradients" && numbers.first().is_some_and(|x| x.is_nan());
+        self.check_that(is_none || !numbers.iter().any(|x| x.is_nan()), name);
+    }
+
+    fn check_that(&mut self, is_right: bool, name: &'static str) {
+        Memory::check_that(self, is_right, name);
     }
 }

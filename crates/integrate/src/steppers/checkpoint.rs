@@ -12,7 +12,6 @@ use crate::report::stopwatch::Stopwatch;
 use crate::steppers::integration::Integration;
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
-use equip_solver::{Damaged, SolverMemory};
 use std::slice::from_mut;
 use std::time::Duration;
 
@@ -58,8 +57,8 @@ impl<T: Float> Integration<T> {
     pub(crate) fn checkpoint(&mut self) -> Checkpoint {
         let mut numbers = Numbers::new();
         self.remember(&mut Memory::to_write(&mut numbers));
-        let memory = self.core.memory();
-        let solver = memory.parts().iter();
+        let mut solver = Numbers::new();
+        self.core.remember(&mut Memory::to_write(&mut solver));
         let words = self.fingerprint.iter();
         Checkpoint {
             format: FORMAT,
@@ -76,9 +75,7 @@ impl<T: Float> Integration<T> {
             last_outcome: self.last.1,
             counts: *self.core.counts(),
             run: numbers,
-            solver: solver
-                .map(|(name, numbers)| (name.clone(), Exact::all(numbers)))
-                .collect(),
+            solver,
             chaos: None,
             checksum: String::new(),
         }
@@ -97,20 +94,9 @@ impl<T: Float> Integration<T> {
         *self.core.counts_mut() = from.counts;
         self.remember(memory);
         memory.check()?;
-        let mut parts = Vec::with_capacity(from.solver.len());
-        for (name, stored) in &from.solver {
-            let numbers = stored.iter().map(Exact::read);
-            let numbers = numbers.collect::<Result<Vec<T>, _>>()?;
-            // The gradients in the memory begin with a state that is NaN if there are none.
-            let is_none = name == "gradients" && numbers.first().is_some_and(|x| x.is_nan());
-            if !is_none && numbers.iter().any(|x| x.is_nan()) {
-                let what = "the memory of the solver";
-                return Err(IntegrateError::CheckpointDamaged { what });
-            }
-            parts.push((name.clone(), numbers));
-        }
-        let restored = self.core.restore(&SolverMemory::from_parts(parts));
-        restored.map_err(|Damaged { what }| IntegrateError::CheckpointDamaged { what })
+        let mut solver = Memory::to_read(&from.solver);
+        self.core.remember(&mut solver);
+        solver.check()
     }
 
     /// Writes or reads the numbers of the run.

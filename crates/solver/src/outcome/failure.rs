@@ -43,11 +43,3 @@ pub enum Failure<T> {
         exchanged: T,
     },
 }
-
-/// A memory that does not fit its solver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the memory of the solver is damaged: {what} does not fit; start without it")]
-pub struct Damaged {
-    /// The name of the part.
-    pub what: &'static str,
-}

@@ -7,7 +7,7 @@
 
 use crate::memory::SolverMemory;
 use crate::options::step_options::Preconditioner as Wanted;
-use crate::outcome::failure::{Damaged, Failure};
+use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Counts;
 use crate::policy::{LONGEST_WAIT, MOST_DENSE};
 use crate::precondition::diagonal::Diagonal;
@@ -17,6 +17,7 @@ use equip_autodiff::{Evaluator, Structure};
 use equip_iterate::{Iterate, Preconditioner, State};
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
+use std::slice::from_mut;
 
 /// The preconditioners, from the least expensive one on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -305,63 +306,62 @@ impl<T: Float> Choice<T> {
         self.active = first(self.wanted);
     }
 
-    /// Saves everything on which the next step depends.
-    pub(crate) fn save(&self, memory: &mut SolverMemory<T>) {
-        let counts = [self.active as u64, self.left, self.wait];
-        memory.put("preconditioner", counts.map(|count| T::exact(count as f64)));
-        memory.put("preconditioner made for", [self.made_for]);
-        memory.put(
-            "preconditioner amplification",
-            [T::exact(self.amplification)],
-        );
-        let doubles: Vec<f64> = match (self.active, &self.diagonal, &self.frozen) {
+    /// Writes everything on which the next step depends, or restores it.
+    pub(crate) fn remember(
+        &mut self,
+        (method, iterate): (&Coefficients<T>, &Iterate<T>),
+        memory: &mut dyn SolverMemory<T>,
+    ) {
+        let what = "preconditioner";
+        let mut counts = [self.active as u64, self.left, self.wait].map(|x| T::exact(x as f64));
+        memory.numbers(what, &mut counts);
+        let counts = counts.map(|x| x.to_f64());
+        let are_whole = counts.iter().all(|x| *x >= 0.0 && x.fract() == 0.0);
+        let [active, left, wait] = counts.map(|x| x as u64);
+        memory.check_that(are_whole && active < KINDS.len() as u64, what);
+        self.active = KINDS.get(active as usize).copied().unwrap_or(self.active);
+        (self.left, self.wait) = (left.min(LONGEST_WAIT), wait.clamp(1, LONGEST_WAIT));
+        memory.numbers("preconditioner made for", from_mut(&mut self.made_for));
+        memory.double("preconditioner amplification", &mut self.amplification);
+        let what = "preconditioner made of";
+        let made_of: Vec<f64> = match (self.active, &self.diagonal, &self.frozen) {
             (Kind::Diagonal, Some(diagonal), _) => diagonal.memory().collect(),
             (Kind::Frozen, _, Some(frozen)) => frozen.memory().collect(),
             _ => Vec::new(),
         };
-        memory.put("preconditioner made of", doubles.into_iter().map(T::exact));
+        let mut made_of: Vec<T> = made_of.into_iter().map(T::exact).collect();
+        memory.list(what, &mut made_of);
+        if memory.is_read() && self.made_for != T::int(0) && !made_of.is_empty() {
+            let made_of: Vec<f64> = made_of.iter().map(|x| x.to_f64()).collect();
+            let is_made = self.make_again((method, iterate), &made_of);
+            memory.check_that(is_made, what);
+        }
     }
 
-    /// Restores the saved state.
-    pub(crate) fn restore(
+    /// Makes M of its memory. Returns whether that is possible.
+    fn make_again(
         &mut self,
-        method: &Coefficients<T>,
-        iterate: &Iterate<T>,
-        memory: &SolverMemory<T>,
-    ) -> Result<(), Damaged> {
-        let what = "preconditioner";
-        let numbers = memory.numbers::<3>(what)?.map(|x| x.to_f64());
-        if !numbers.iter().all(|x| *x >= 0.0 && x.fract() == 0.0) {
-            return Err(Damaged { what });
-        }
-        let [active, left, wait] = numbers.map(|x| x as u64);
-        self.active = *KINDS.get(active as usize).ok_or(Damaged { what })?;
-        (self.left, self.wait) = (left.min(LONGEST_WAIT), wait.clamp(1, LONGEST_WAIT));
-        [self.made_for] = memory.numbers("preconditioner made for")?;
-        let [amplification] = memory.numbers::<1>("preconditioner amplification")?;
-        self.amplification = amplification.to_f64();
-        let (what, n) = ("preconditioner made of", iterate.components());
-        let made_of = memory.find(what).ok_or(Damaged { what })?;
-        let made_of: Vec<f64> = made_of.iter().map(|x| x.to_f64()).collect();
-        if self.made_for == T::int(0) || made_of.is_empty() {
-            return Ok(());
-        }
+        (method, iterate): (&Coefficients<T>, &Iterate<T>),
+        made_of: &[f64],
+    ) -> bool {
         match self.active {
             Kind::Diagonal if made_of.len().is_multiple_of(2) => {
                 let diagonal = self
                     .diagonal
                     .get_or_insert_with(|| Diagonal::new(method, iterate));
-                diagonal.restore(&made_of);
-                Ok(())
+                diagonal.restore(made_of);
+                true
             }
-            Kind::Frozen if made_of.len() == self.structure.hessian.len() + n => {
+            Kind::Frozen
+                if made_of.len() == self.structure.hessian.len() + iterate.components() =>
+            {
                 if self.frozen.is_none() {
                     self.frozen = Frozen::new(method, iterate, &self.structure);
                 }
-                let frozen = self.frozen.as_mut().ok_or(Damaged { what })?;
-                frozen.restore(&made_of).map_err(|_| Damaged { what })
+                let frozen = self.frozen.as_mut();
+                frozen.is_some_and(|frozen| frozen.restore(made_of).is_ok())
             }
-            _ => Err(Damaged { what }),
+            _ => false,
         }
     }
 }
