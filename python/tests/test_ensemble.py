@@ -327,3 +327,20 @@ def test_options_of_ensembles_are_named(kepler):
             equip.ensemble(kepler, *starts(3), options.pop("span", (0, 1)), **options)
     with pytest.raises(ValueError, match="n is '5'; it must be a whole number, 1 or more"):
         equip.ensemble(kepler, [0.4, 0.0], [0.0, 2.0], (0, 1), n="5")
+
+
+def test_tasks_of_a_small_ensemble(kepler):
+    """Each worker has four of them, whatever the number of runs."""
+
+    class Counting(ThreadPoolExecutor):
+        tasks = 0
+
+        def submit(self, *args, **kwargs):
+            self.tasks += 1
+            return super().submit(*args, **kwargs)
+
+    q0, p0 = np.tile([0.4, 0.0], (40, 1)), np.tile([0.0, 2.0], (40, 1))
+    for chunk, tasks in ((None, 8), (10, 4), (256, 1)):
+        with Counting(2) as pool:
+            equip.ensemble(kepler, q0, p0, (0, 0.2), step=0.1, executor=pool, chunk=chunk)
+            assert pool.tasks == tasks

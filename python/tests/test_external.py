@@ -118,19 +118,19 @@ def bonds(q):
     return np.sum((np.roll(q, -1, axis=0) - q) ** 4) / 4 + np.sum(q**2) / 2
 
 
-def slopes_of_bonds(q):
+def bond_gradient(q):
     stretched = (np.roll(q, -1, axis=0) - q) ** 3
     return np.roll(stretched, 1, axis=0) - stretched + q
 
 
-RING = equip.Hamiltonian.external_potential(bonds, slopes_of_bonds, shape=(3, 2), masses=MASSES)
+RING = equip.Hamiltonian.external_potential(bonds, bond_gradient, shape=(3, 2), masses=MASSES)
 
 
 def test_a_potential_with_masses():
     """Three particles in the plane, in half the gradients of the same H as a whole."""
     whole = equip.Hamiltonian.external(
         lambda q, p: np.sum(p**2 / MASSES) / 2 + bonds(q),
-        lambda q, p: (slopes_of_bonds(q), p / MASSES),
+        lambda q, p: (bond_gradient(q), p / MASSES),
         shape=(3, 2),
     )
     recorded = equip.Hamiltonian(lambda q, p: np.sum(p**2 / MASSES) / 2 + bonds(q), shape=(3, 2))
@@ -149,11 +149,11 @@ def test_a_potential_with_masses():
 def test_what_is_refused_of_a_potential():
     potential = equip.Hamiltonian.external_potential
     with pytest.raises(ValueError, match="mass 2 is 0e0"):
-        potential(bonds, slopes_of_bonds, (3, 2), masses=[[1.0], [0.0], [1.0]])
+        potential(bonds, bond_gradient, (3, 2), masses=[[1.0], [0.0], [1.0]])
     with pytest.raises(ValueError, match=r"masses has shape \(2, 3\)"):
-        potential(bonds, slopes_of_bonds, (3, 2), masses=np.ones((2, 3)))
+        potential(bonds, bond_gradient, (3, 2), masses=np.ones((2, 3)))
     with pytest.raises(TypeError, match=r"value must be a function of \(q\)"):
-        potential(lambda q, p: 0.0, slopes_of_bonds, (3, 2))
+        potential(lambda q, p: 0.0, bond_gradient, (3, 2))
     with pytest.raises(TypeError, match=r"shape \(2,\); it must be \(3, 2\)"):
         potential(bonds, lambda q: q[0], (3, 2)).gradient(np.ones((3, 2)), np.ones((3, 2)))
     with pytest.raises(ValueError, match="gradient"):

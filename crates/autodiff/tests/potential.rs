@@ -1,4 +1,4 @@
-//! External potentials with masses, beside recorded energies.
+//! External potentials with masses, compared with recorded energies.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use crate::common::{Random, widened};

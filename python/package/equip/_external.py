@@ -17,13 +17,13 @@ def external(value: Any, gradient: Any, axes: Shape, accuracy: float) -> _native
     _check(value, gradient, "q, p")
     number = _number(value, axes, "value(q, p)")
 
-    def slopes(q: Floats, p: Floats) -> Floats:
+    def derivative(q: Floats, p: Floats) -> Floats:
         found = gradient(q.reshape(axes), p.reshape(axes))
         if not isinstance(found, (tuple, list)) or len(found) != 2:
             raise TypeError("gradient(q, p) must return two arrays, those of ∂H/∂q and of ∂H/∂p")
         return np.concatenate([_flat(part, axes, "gradient(q, p)") for part in found])
 
-    return _native.Recorded.external(math.prod(axes), accuracy, number, slopes)
+    return _native.Recorded.external(math.prod(axes), accuracy, number, derivative)
 
 
 def potential(
@@ -33,10 +33,10 @@ def potential(
     _check(value, gradient, "q")
     number = _number(value, axes, "value(q)")
 
-    def slopes(q: Floats) -> Floats:
+    def derivative(q: Floats) -> Floats:
         return _flat(gradient(q.reshape(axes)), axes, "gradient(q)")
 
-    return _native.Recorded.external_potential(np.array(masses), accuracy, number, slopes)
+    return _native.Recorded.external_potential(np.array(masses), accuracy, number, derivative)
 
 
 def masses_of(masses: Any, axes: Shape) -> Floats:

@@ -69,3 +69,8 @@ pub(crate) const RECENT: i64 = 8;
 /// An energy error at the end of a run of at most this many round-off levels of its last step is at the
 /// round-off level. // levels; errors of steps that have just conserved H are at most 8
 pub(crate) const STALE_LEVELS: i64 = 64;
+/// The longest step after an event has changed the state, in times between the last two changes. // ratio;
+/// 120 random bounces and boxes, 11 436 events: with 1, 3/2, 2, 4 20 028, 16 488, 15 654, 14 236 steps, of
+/// which 2199, 0, 21, 0 end on the next event and leave a step of rounding; with 4 the energy error is 37
+/// times as large
+pub(crate) const LONGEST_SINCE: f64 = 1.5;

@@ -1,5 +1,5 @@
-//! A complete run: what it needs beside its steps, and its loop, the same for fixed and for variable steps:
-//! step → dense output and events → observer → store.
+//! A complete run: its outputs, events and tangent vectors, and its loop, the same for fixed and for variable
+//! steps: step → dense output and events → observer → store.
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::memory::{Memory, Numbers};

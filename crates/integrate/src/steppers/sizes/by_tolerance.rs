@@ -5,6 +5,7 @@ use crate::control::controller::Control;
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::control::flow::Flow;
+use crate::control::policy::LONGEST_SINCE;
 use crate::control::stuck::shortest_at;
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
@@ -114,9 +115,9 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
         self.crossings.iter_mut().for_each(Crossings::begin);
     }
 
-    /// The next step is at most 3/2 of the time between the last two changes, so that regular changes are not
-    /// at the ends of steps. Where one step integrates the motion exactly, steps would become ever longer,
-    /// and the state at an event is as accurate as rounding of the change over the complete step.
+    /// The next step is at most [`LONGEST_SINCE`] of the time between the last two changes. Where one step
+    /// integrates the motion exactly, steps would become ever longer, and the state at an event is as
+    /// accurate as rounding of the change over the complete step (docs/adr/0033).
     fn at_another_time(
         &mut self,
         run: &mut Integration<T>,
@@ -124,7 +125,7 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
     ) -> Result<(), IntegrateError<T>> {
         self.time_low = T::int(0);
         if since > T::int(0) {
-            self.control.next = self.control.next.min(1.5 * since.to_f64());
+            self.control.next = self.control.next.min(LONGEST_SINCE * since.to_f64());
         }
         self.at_another_state(run);
         Ok(())
