@@ -146,6 +146,8 @@ def test_faults_of_changes(ball):
         run(event(lambda t, q, p: q))
     with pytest.raises(ValueError, match=r"returned p of shape \(2,\); it must have \(1,\)"):
         run(event(lambda t, q, p: (q, [1.0, 2.0])))
+    with pytest.raises(ValueError, match="returned complex p; it must be real"):
+        run(event(lambda t, q, p: (q, p * 1j)))
     with pytest.raises(TypeError, match="must be a function of t, q and p"):
         run(event(3))
     with pytest.raises(ValueError, match="ends the run, or changes its state, not both"):

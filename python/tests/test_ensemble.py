@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import signal
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -344,3 +345,12 @@ def test_tasks_of_a_small_ensemble(kepler):
         with Counting(2) as pool:
             equip.ensemble(kepler, q0, p0, (0, 0.2), step=0.1, executor=pool, chunk=chunk)
             assert pool.tasks == tasks
+
+
+def test_double_double_starts_and_spans_have_all_digits():
+    oscillator = equip.Hamiltonian(lambda q, p: p @ p / 2 + q @ q / 2, 1)
+    starts, span = (["0.1", "0.2"], [Fraction(1, 3), "0.3"]), (0, Fraction(1, 3))
+    q0, p0 = ([[x] for x in values] for values in starts)
+    ends = equip.ensemble(oscillator, q0, p0, span, precision="dd", output=lambda sol: sol.q_text()[:, 0])
+    for q, p, texts in zip(q0, p0, ends.outputs):
+        assert texts.tolist() == equip.solve(oscillator, q, p, span, precision="dd").q_text()[:, 0].tolist()

@@ -171,6 +171,8 @@ impl<T: Float> TangentMap<T> {
 pub struct Chaos<T: Float> {
     tangent: TangentMap<T>,
     tangent_vector: Vec<T>,
+    /// The degrees of freedom, without time.
+    m: usize,
     /// The time of the run, and the time covered since the initial tangent vector.
     time: T,
     elapsed: T,
@@ -194,6 +196,7 @@ impl<T: Float> Chaos<T> {
         let mut chaos = Chaos {
             tangent: TangentMap::new(system, run),
             tangent_vector: whole,
+            m: run.inner.m,
             time,
             elapsed: zero,
             growth: zero,
@@ -232,8 +235,11 @@ impl<T: Float> Chaos<T> {
         Ok(())
     }
 
-    /// Normalises δ to length 1. Returns its previous length.
+    /// Normalises δ to length 1. Returns its previous length. The component of the momentum of time has no
+    /// effect on the others, and is not part of the length.
     fn normalise(&mut self) -> T {
+        let half = self.tangent_vector.len() / 2;
+        self.tangent_vector[half + self.m..].fill(T::int(0));
         let squares = self
             .tangent_vector
             .iter()

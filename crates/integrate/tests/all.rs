@@ -11,6 +11,7 @@ mod encounters;
 mod energy_verdict;
 #[cfg(feature = "rayon")]
 mod ensemble;
+mod event_steps;
 mod events;
 mod events_together;
 mod extended;
@@ -26,6 +27,7 @@ mod suggest;
 mod tangent;
 mod there_and_back;
 mod thin_obstacles;
+mod tiny_and_huge;
 mod verdicts;
 mod with_time;
 

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Equip, Preconditioner, Record, Run};
+use equip_integrate::{Equip, Preconditioner, Record, Run, Trajectory};
 use equip_scalar::{DoubleDouble, Float, ratio};
 
 fn henon_heiles() -> Hamiltonian {
@@ -178,4 +178,20 @@ fn halved_steps_have_it_too() {
         assert!(moved < 2e-3, "{i}: {moved}");
         before = now;
     }
+}
+
+#[test]
+fn a_run_without_a_step_is_its_state() {
+    let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+    let options = Equip::stages(6).tolerance(1e-10).dense();
+    let run = options
+        .integrate(&pendulum, &[1.0], &[0.5], 2.0..=2.0)
+        .unwrap();
+    let curve = run.trajectory().unwrap();
+    assert_eq!(curve.at(2.0), Some((vec![1.0], vec![0.5])));
+    assert_eq!((curve.at(1.9), curve.at(2.1)), (None, None));
+    assert_eq!(
+        Trajectory::from_numbers(&curve.to_numbers()).as_ref(),
+        Some(curve)
+    );
 }

@@ -182,6 +182,11 @@ impl<T: Float> Core<T> {
         self.is_deferred = true;
     }
 
+    /// Whether the α_k of a step are computed by [`complete`](Core::complete).
+    pub fn defers_alphas(&self) -> bool {
+        self.is_deferred
+    }
+
     /// Whether the last step has changed a constraint by more than its round-off level.
     pub fn has_made_errors(&self) -> bool {
         self.constraints.iter().any(Constraint::has_changed)

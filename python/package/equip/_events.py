@@ -51,6 +51,8 @@ class Change:
 
     def _flat(self, x: Any, name: str) -> Floats:
         refuse_units(x, name)
+        if np.iscomplexobj(x):
+            raise ValueError(f"then of {self.name} returned complex {name}; it must be real")
         array = np.asarray(x, dtype=float)
         if array.shape != self._shape:
             raise ValueError(

@@ -231,7 +231,7 @@ impl<T: Float> Decay<T> {
         let least = (relative.sqrt() * y.abs()).max(T::EPSILON * largest);
         let unit = motion.max(least);
         let is_small = motion <= relative * y.abs();
-        let inverse = if is_small || unit == T::int(0) {
+        let inverse = if is_small || unit < T::MIN_POSITIVE {
             T::int(0)
         } else {
             T::int(1) / unit

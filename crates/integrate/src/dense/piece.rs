@@ -43,6 +43,20 @@ impl<T: Float> Piece<T> {
         }
     }
 
+    /// The constant polynomial `y` from this time on.
+    pub(crate) fn at_rest(y: &State<T>, time: T) -> Self {
+        Piece {
+            time,
+            time_low: T::int(0),
+            h: T::int(1),
+            polynomial: Polynomial {
+                start: y.clone(),
+                coefficients: vec![T::int(0); y.hi.len()],
+            },
+            end: y.hi.clone(),
+        }
+    }
+
     /// The polynomial of the stages of the part, of order s.
     pub(crate) fn of_stages(
         method: &Coefficients<T>,

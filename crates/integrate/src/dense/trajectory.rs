@@ -29,6 +29,10 @@ impl<T: Float> Trajectory<T> {
         self.pieces.push(piece);
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
     pub(crate) fn end_at(&mut self, time: T) {
         self.end = time;
     }

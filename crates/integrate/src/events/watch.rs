@@ -6,10 +6,15 @@ use crate::events::roots::Roots;
 use crate::options::event::{Direction, Event, EventFunction, Occurrence};
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
+use equip_solver::Outcome;
 use std::ops::ControlFlow;
 
 /// Units of rounding of the time within which two roots are at the same time (docs/adr/0033).
 pub(crate) const CLOSEST: i64 = 256;
+/// A state and a time that differ by so many units of rounding are equal.
+const ROUNDINGS: i64 = 8;
+/// The derivative of g is the difference quotient over this part of the step.
+const APART: i64 = 1024;
 
 #[derive(Debug)]
 pub(crate) struct EventWatch<T: Float> {
@@ -23,13 +28,19 @@ pub(crate) struct EventWatch<T: Float> {
     direction: TimeDirection,
     /// The events at the end of the last piece, in the order of the list, if one of them ended it.
     met: Vec<usize>,
+    /// g of every event at the end of the last piece, and its derivative by the position there.
+    at_end: Vec<[T; 2]>,
+    /// The change of every component from the start of the last piece to the events met, and its time.
+    moved: (Vec<T>, T),
 }
 
-/// Events that end a run or change its state, with the time and the state of their common root.
+/// Events that end a run or change its state, with the time and the state of their common root, and the size
+/// and the outcome of the step that ends there.
 pub(crate) struct EventsAt<'a, T: Float> {
     pub(crate) events: &'a mut EventWatch<T>,
     pub(crate) time: T,
     pub(crate) y: &'a [T],
+    pub(crate) step: (T, Outcome),
 }
 
 impl<T: Float> EventWatch<T> {
@@ -47,7 +58,52 @@ impl<T: Float> EventWatch<T> {
             start,
             direction,
             met: Vec::new(),
+            at_end: Vec::new(),
+            moved: (vec![T::int(0); n], T::int(0)),
         }
+    }
+
+    /// Computes every g and its derivative at the events met at `place` of `piece`.
+    pub(crate) fn compare_with(&mut self, piece: &Piece<T>, place: T) {
+        let m = self.y.len() / 2;
+        let y = &mut self.y;
+        let apart = T::ratio(1, APART);
+        let (moved, took) = &mut self.moved;
+        *took = (place * piece.h).abs();
+        piece.state_at(T::int(0), moved);
+        piece.state_at(place, y);
+        for (moved, &y) in moved.iter_mut().zip(&*y) {
+            *moved = (y - *moved).abs();
+        }
+        self.at_end.clear();
+        for function in &mut self.functions {
+            let [before, at, behind] = [-apart, T::int(0), apart].map(|by| {
+                piece.state_at(place + by, y);
+                function.value(piece.time_at(place + by), &y[..m], &y[m..])
+            });
+            let derivative = (behind - before) / (T::int(2) * apart);
+            self.at_end.push([at, derivative]);
+        }
+    }
+
+    /// The correction of the position of the first event met, by g at the state (`q`, `p`), and the largest
+    /// distance of the other events met from it. `None` if another g has not the sign that it has on the
+    /// polynomial.
+    pub(crate) fn corrections(&mut self, time: T, (q, p): (&[T], &[T])) -> Option<[T; 2]> {
+        let mut first: Option<[T; 2]> = None;
+        for (j, function) in self.functions.iter_mut().enumerate() {
+            let (value, [expected, derivative]) = (function.value(time, q, p), self.at_end[j]);
+            if !self.met.contains(&j) {
+                if (value > T::int(0)) != (expected > T::int(0)) {
+                    return None;
+                }
+                continue;
+            }
+            let by = -value / derivative;
+            let [correction, spread] = first.get_or_insert([by, T::int(0)]);
+            *spread = spread.max((by - *correction).abs());
+        }
+        first.filter(|by| by.iter().all(|by| by.is_finite()))
     }
 
     /// Changes the state `y` by the events that ended the last piece, in the order in which they are listed.
@@ -64,6 +120,20 @@ impl<T: Float> EventWatch<T> {
         ControlFlow::Continue(())
     }
 
+    /// Moves the events met, the last `occurrences`, to this time and state.
+    pub(crate) fn move_met(
+        &self,
+        occurrences: &mut [Occurrence<T>],
+        time: T,
+        (q, p): (&[T], &[T]),
+    ) {
+        for occurrence in occurrences.iter_mut().rev().take(self.met.len()) {
+            occurrence.time = time;
+            occurrence.q.copy_from_slice(q);
+            occurrence.p.copy_from_slice(p);
+        }
+    }
+
     /// The name of the event that changed the state last.
     pub(crate) fn changing(&self) -> String {
         let mut met = self.met.iter().map(|&event| &self.events[event]);
@@ -77,6 +147,8 @@ impl<T: Float> EventWatch<T> {
     pub(crate) fn begin(&mut self, time: T) {
         self.start = time;
         self.met.clear();
+        self.moved.0.fill(T::int(0));
+        self.moved.1 = T::int(0);
     }
 
     /// Continues from the state that the events of the last piece have changed, at their time.
@@ -113,25 +185,31 @@ impl<T: Float> EventWatch<T> {
         let functions = self.events.iter().zip(&mut self.functions);
         for (number, (event, function)) in functions.enumerate() {
             let y = &mut self.y;
-            let mut g = |place: T| {
+            let g = |place: T| {
                 piece.state_at(place, y);
                 function.value(piece.time_at(place), &y[..m], &y[m..])
             };
-            let found = self.roots.find(&mut g, resolution);
+            let found = self.roots.find(g, resolution);
             found.map_err(|_| IntegrateError::EventTooRough {
                 event: event.name().to_owned(),
                 time: piece.time,
                 step: piece.h,
             })?;
-            // The state begins on the events met last, on either side by rounding. A root that g only
-            // approaches from there is the root on which the state begins.
-            if self.met.contains(&number)
-                && let Some(&(root, rises)) = self.roots.found.first()
-                && root <= closest
-            {
-                let nears = g(root / T::int(2)) - g(T::int(0));
-                if nears == T::int(0) || (nears > T::int(0)) == rises {
-                    self.roots.found.remove(0);
+            // A state that begins on a root is on either side of it by rounding.
+            if piece.time == self.start {
+                let (at_start, noise) = noise_at_start(piece, function, &self.moved, y);
+                let is_noise = |value: T| value.abs() <= noise;
+                let found = &mut self.roots.found;
+                if is_noise(at_start) {
+                    let mut g = |place: T| {
+                        piece.state_at(place, y);
+                        function.value(piece.time_at(place), &y[..m], &y[m..])
+                    };
+                    let begun = found
+                        .iter()
+                        .take_while(|(root, _)| is_noise(g(*root / T::int(2))));
+                    let begun = begun.count();
+                    found.drain(..begun);
                 }
             }
             let wanted = self.roots.found.iter().filter(|(place, rising)| {
@@ -177,4 +255,26 @@ impl<T: Float> EventWatch<T> {
         self.met.sort_unstable();
         Ok(end)
     }
+}
+
+/// g at the start of `piece`, and its change if state and time change by [`ROUNDINGS`] units of rounding of
+/// themselves and of the step that `moved` them there, for two choices of signs. `y` is workspace.
+fn noise_at_start<T: Float>(
+    piece: &Piece<T>,
+    function: &mut EventFunction<T>,
+    (moved, took): &(Vec<T>, T),
+    y: &mut [T],
+) -> (T, T) {
+    let m = y.len() / 2;
+    let rounded = |x: T, size: T, sign: i64| x + T::int(sign * ROUNDINGS) * T::EPSILON * size;
+    let mut at = |signs: [i64; 2]| {
+        piece.state_at(T::int(0), y);
+        for (i, (y, &moved)) in y.iter_mut().zip(moved).enumerate() {
+            *y = rounded(*y, y.abs() + moved, signs[i % 2]);
+        }
+        let time = rounded(piece.time, piece.time.abs() + *took, signs[0]);
+        function.value(time, &y[..m], &y[m..])
+    };
+    let [value, same, opposite] = [[0, 0], [1, 1], [1, -1]].map(&mut at);
+    (value, (same - value).abs().max((opposite - value).abs()))
 }

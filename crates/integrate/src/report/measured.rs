@@ -1,7 +1,7 @@
 //! [`Measured`]: the measurements along a run, for its certificate.
 
 use crate::control::frequency::Frequency;
-use crate::control::policy::SLOW;
+use crate::control::policy::{SLOW, STALE_LEVELS};
 use crate::options::common::Options;
 use crate::report::conserved::{Conserved, Watched};
 use crate::report::energy_round_off::{EnergyRoundOff, kinetic_energy};
@@ -160,6 +160,15 @@ impl<T: Float> Measured<T> {
         for watched in &mut self.watched {
             watched.see(last.time, y);
         }
+    }
+
+    /// Records the energy error of a state on the polynomial of the last step. Returns whether it exceeds the
+    /// round-off level of this step.
+    pub(crate) fn see_on_polynomial(&mut self, error: T) -> bool {
+        if let Some(energy) = &mut self.energy {
+            energy.see(error);
+        }
+        (self.round_off).is_some_and(|level| !(error.abs() <= T::int(STALE_LEVELS) * level))
     }
 
     /// Records hω of the last step, of size `h`, which ended at `y`. Skipped if its iteration was not

@@ -55,47 +55,64 @@ impl<T: Float> DenseWatch<T> {
     /// to events that end the run or change its state.
     pub(crate) fn see(
         &mut self,
-        stepper: &Integration<T>,
+        stepper: &mut Integration<T>,
         time_low: T,
         run: &mut Run<T>,
     ) -> Result<Option<EventsAt<'_, T>>, IntegrateError<T>> {
         let ends = stepper.parts().iter().skip(1).map(|next| next.time);
-        let ends = ends.chain(std::iter::once(stepper.time));
-        for ((part, end_state), mut end) in stepper.parts_to_ends().zip(ends) {
+        let ends: Vec<T> = ends.chain(std::iter::once(stepper.time)).collect();
+        for (i, end) in ends.into_iter().enumerate() {
             let is_due = |&t: &T| stepper.direction.is_before(t, end);
             let due = self.times.get(self.done).is_some_and(is_due);
             if !due && self.trajectory.is_none() && self.events.is_none() {
                 continue;
             }
-            let part = (stepper.core.method(), part);
-            let (piece, is_refined) = self.refiner.refine(part, time_low, end_state);
+            let Some((part, end_state)) = stepper.parts_to_ends().nth(i) else {
+                break;
+            };
+            let method = stepper.core.method();
+            let (piece, is_refined) = self.refiner.refine((method, part), time_low, end_state);
             run.certificate.coarse_outputs += u64::from(!is_refined);
             let stop = match &mut self.events {
                 Some(events) => events.see(&piece, &mut run.occurrences)?,
                 None => None,
             };
-            if let Some(place) = stop {
-                end = piece.time_at(place);
-            }
-            self.outputs(&piece, (end, stepper.direction), run);
-            if let Some(place) = stop {
-                piece.state_at(place, &mut self.y);
-            }
-            if let Some(trajectory) = &mut self.trajectory {
-                trajectory.add(piece);
-                trajectory.end_at(end);
-            }
-            if stop.is_some() {
-                let y = &self.y;
-                let at = |events| EventsAt {
-                    events,
-                    time: end,
-                    y,
-                };
-                return Ok(self.events.as_mut().map(at));
-            }
+            let (Some(place), Some(events)) = (stop, &mut self.events) else {
+                self.output(piece, (end, stepper.direction), run);
+                continue;
+            };
+            let part = part.clone();
+            let step = stepper.step_to_event(&part, (&piece, place), events);
+            let piece = match &step.made {
+                Some((part, end)) => {
+                    let method = stepper.core.method();
+                    self.refiner.refine((method, part), time_low, end).0
+                }
+                None => piece,
+            };
+            let (time, step_of) = (step.time, (step.h, step.outcome));
+            self.y = step.y;
+            events.move_met(&mut run.occurrences, time, self.y.split_at(stepper.m));
+            self.output(piece, (time, stepper.direction), run);
+            let y = &self.y;
+            let at = |events| EventsAt {
+                events,
+                time,
+                y,
+                step: step_of,
+            };
+            return Ok(self.events.as_mut().map(at));
         }
         Ok(None)
+    }
+
+    /// The outputs in `piece` before `end`, and the piece itself.
+    fn output(&mut self, piece: Piece<T>, (end, direction): (T, TimeDirection), run: &mut Run<T>) {
+        self.outputs(&piece, (end, direction), run);
+        if let Some(trajectory) = &mut self.trajectory {
+            trajectory.add(piece);
+            trajectory.end_at(end);
+        }
     }
 
     fn outputs(
@@ -123,8 +140,15 @@ impl<T: Float> DenseWatch<T> {
         }
     }
 
-    /// Moves the stored trajectory to `run`.
-    pub(crate) fn finish(self, run: &mut Run<T>) {
-        run.trajectory = self.trajectory;
+    /// Moves the stored trajectory to `run`. Without a step it is the state of `stepper`.
+    pub(crate) fn finish(self, stepper: &Integration<T>, run: &mut Run<T>) {
+        run.trajectory = self.trajectory.map(|mut trajectory| {
+            let (y, time) = (&stepper.y, stepper.time);
+            if trajectory.is_empty() {
+                trajectory.add(Piece::at_rest(y, time));
+                trajectory.end_at(time);
+            }
+            trajectory
+        });
     }
 }

@@ -110,7 +110,7 @@ fn drive<T: Float>(
     let mut run = Run::new(&steps.inner);
     let made = watch(steps, &mut watchers, observer, &mut run);
     if let Some(dense) = watchers.dense {
-        dense.finish(&mut run);
+        dense.finish(&steps.inner, &mut run);
     }
     match made {
         Ok(()) => {
@@ -144,7 +144,7 @@ fn watch<T: Float>(
             run.certificate.chaos = Some(chaos.indicators());
         }
         let at = match &mut watchers.dense {
-            Some(dense) => dense.see(stepper, time_low, run)?,
+            Some(dense) => dense.see(&mut steps.inner, time_low, run)?,
             None => None,
         };
         if let Some((time, y)) = before
@@ -204,6 +204,7 @@ fn act<T: Float>(
     changed: &mut Option<T>,
 ) -> Result<ControlFlow<()>, IntegrateError<T>> {
     let (time, before, event) = (at.time, at.y.to_vec(), at.events.changing());
+    steps.inner.end_with(at.step);
     match steps.act(at) {
         Ok(ControlFlow::Continue(())) => run.drop_outputs_beyond(time, &steps.inner),
         Ok(ControlFlow::Break(state)) => {

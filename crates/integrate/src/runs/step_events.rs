@@ -91,19 +91,28 @@ impl<T: Float> StepEvents<T> {
         }
         let mut ended = None;
         for (part, end) in stepper.parts_to_ends() {
-            let part = (stepper.core.method(), part);
-            let (piece, _) = self.refiner.refine(part, time_low, end);
+            let method = stepper.core.method();
+            let (piece, _) = self.refiner.refine((method, part), time_low, end);
             if let Some(place) = self.events.see(&piece, &mut self.found)? {
-                let mut y = vec![T::int(0); 2 * stepper.m];
-                piece.state_at(place, &mut y);
-                ended = Some((piece.time_at(place), y));
+                ended = Some((part.clone(), piece, place));
                 break;
             }
         }
-        if let Some((time, y)) = &ended {
-            let (time, events) = (*time, &mut self.events);
+        if let Some((part, piece, place)) = ended {
+            let events = &mut self.events;
+            let found = run.inner.step_to_event(&part, (&piece, place), events);
+            let (time, step) = (found.time, (found.h, found.outcome));
+            events.move_met(&mut self.found, time, found.y.split_at(run.inner.m));
+            let at = EventsAt {
+                events,
+                time,
+                y: &found.y,
+                step,
+            };
             // If its action breaks, the run stays at the end of its step.
-            let _ = run.act(EventsAt { events, time, y })?;
+            if run.act(at)?.is_continue() {
+                run.inner.end_with(step);
+            }
         }
         self.seen = (made, run.time(), run.control.time_low());
         Ok(&self.found)

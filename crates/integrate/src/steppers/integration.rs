@@ -129,7 +129,17 @@ impl<T: Float> Integration<T> {
         h: T,
         made: Result<Outcome, Failure<T>>,
     ) -> Result<Outcome, IntegrateError<T>> {
-        let made = made.map_err(|failure| error_of(&mut self.core, failure));
+        let mut made = made.map_err(|failure| error_of(&mut self.core, failure));
+        // H and ∇H may be finite at a state that is not.
+        if made.is_ok() && !self.next.hi.iter().all(|y| y.is_finite()) {
+            self.core.refuse();
+            let (time, step, halvings) = (self.time, h, 0);
+            made = Err(IntegrateError::NotFinite {
+                time,
+                step,
+                halvings,
+            });
+        }
         if self.check_gradient {
             let checked = match made {
                 Ok(outcome) if outcome.is_uncorrected() => {

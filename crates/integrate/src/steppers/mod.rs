@@ -2,6 +2,7 @@
 
 pub(crate) mod checkpoint;
 pub(crate) mod domains;
+pub(crate) mod event_step;
 pub(crate) mod in_parts;
 pub(crate) mod integration;
 mod sizes;

@@ -62,7 +62,9 @@ impl<T: Float> Stepper<T> {
         &mut self,
         at: EventsAt<'_, T>,
     ) -> Result<ControlFlow<Vec<T>>, IntegrateError<T>> {
-        let EventsAt { events, time, y } = at;
+        let EventsAt {
+            events, time, y, ..
+        } = at;
         let mut y = y.to_vec();
         if events.change(time, &mut y).is_break() {
             return Ok(ControlFlow::Break(y));

@@ -160,7 +160,8 @@ pub(crate) fn resolve<T: Float>(scale: &mut [T], inverse: &mut [T], components: 
         let (scale, inverse) = (&mut scale[group.clone()], &mut inverse[group]);
         let most = largest_in(scale);
         let least = if most > T::int(0) {
-            most * root * root.sqrt()
+            // Below, the inverse overflows.
+            (most * root * root.sqrt()).max(T::MIN_POSITIVE)
         } else {
             T::int(1)
         };

@@ -177,6 +177,12 @@ impl Counts {
         self.steps += 1;
         self.outcomes.0[outcome as usize] += 1;
     }
+
+    /// The last step recorded is repeated, with another outcome.
+    pub fn replace(&mut self, last: Outcome, outcome: Outcome) {
+        self.outcomes.0[last as usize] -= 1;
+        self.outcomes.0[outcome as usize] += 1;
+    }
 }
 
 #[cfg(test)]

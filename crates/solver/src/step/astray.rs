@@ -59,6 +59,10 @@ impl<T: Float> Core<T> {
 
     fn check_change(&self, change: T, h: T) -> Result<(), Failure<T>> {
         let exchanged = self.exchanged(h);
+        // Below, the products of the exchange underflow.
+        if change.abs() < T::MIN_POSITIVE {
+            return Ok(());
+        }
         let share = match self.may_be_halved {
             true => T::int(2 << self.stages.method.degree()),
             false => T::int(1),

@@ -20,6 +20,8 @@ from .rows import Ensemble, joined, missing, row_of, rows_of
 
 #: Is told how many runs are made.
 Show = Optional[Callable[[int], None]]
+#: Start and end of the span as pairs of doubles.
+Times = tuple[tuple[float, float], tuple[float, float]]
 #: Numbers of runs, their rows, and whether their worker died.
 Made = tuple[NDArray[np.int64], Ensemble, bool]
 
@@ -54,7 +56,8 @@ class Task:
     """What all chunks have in common, ready to be pickled."""
 
     h: Hamiltonian
-    times: tuple[float, float]
+    #: Start and end, each with its low word, which only double-double uses.
+    times: Times
     given: dict[str, Any]
     precision: str
     threads: int
@@ -69,7 +72,8 @@ def chunk_of(task: Task, q: Floats, p: Floats, show: Show = None) -> Ensemble:
     flat = (q.ravel().tolist(), p.ravel().tolist())
     h = task.h
     if task.output is None:
-        return rows_of(_native.ensemble(h._recorded, *flat, task.times, given, task.threads, show), h.shape)
+        (start, _), (end, _) = task.times
+        return rows_of(_native.ensemble(h._recorded, *flat, (start, end), given, task.threads, show), h.shape)
     return _with_outputs(task, task.output, given, (q, p), show)
 
 
@@ -85,10 +89,12 @@ def _with_outputs(
     changes, at_times = changes_of(given["events"]), bool(given["t_eval"][0])
     whole = {**given, "record": 0 if at_times else 1}
 
+    def words(x: Floats) -> tuple[list[float], list[float]]:
+        high, low = x if task.precision == "dd" else (x, np.zeros_like(x))
+        return high.ravel().tolist(), low.ravel().tolist()
+
     def one(i: int) -> tuple[Ensemble, Any]:
-        zeros = [0.0] * h.degrees_of_freedom
-        start = (q[i].ravel().tolist(), zeros), (p[i].ravel().tolist(), zeros)
-        interval = (*start, (times[0], 0.0), (times[1], 0.0))
+        interval = (words(q[i]), words(p[i]), *times)
         try:
             found = _native.solve(h._recorded, interval, whole, task.precision, None)
         except (ValueError, _native.IntegrationError) as error:

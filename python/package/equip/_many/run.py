@@ -19,7 +19,7 @@ from .._solution import Solution
 from .._solve import interval_of, options, outputs
 from .._terminate import terminating
 from .checkpoint import Checkpoint, check_resume, digest_of
-from .chunks import Executor, Task, check_executor, made_elsewhere, made_here
+from .chunks import Executor, Task, Times, check_executor, made_elsewhere, made_here
 from .rows import Ensemble, Rows
 from .starts import draw_starts, starts_of
 
@@ -166,12 +166,11 @@ def ensemble(
         q0, p0 = draw_starts(q0, p0, n, seed=0 if seed is None else seed, spread=spread)
     elif seed is not None:
         raise ValueError("seed draws initial conditions: give their number n as well")
-    q, p = starts_of(q0, h.shape, "q0"), starts_of(p0, h.shape, "p0")
+    q, p = starts_of(q0, h.shape, "q0", precision), starts_of(p0, h.shape, "p0", precision)
     if q.shape != p.shape:
         raise ValueError(f"q0 has {len(q)} initial conditions, but p0 has {len(p)}")
     workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
     start, end = interval_of(span)
-    times = (start[0], end[0])
     if isinstance(step, (int, float)) and (end[0] - start[0]) * step < 0:
         raise ValueError(
             f"steps of {step} from {start[0]} lead away from {end[0]}; give a step without a sign"
@@ -185,12 +184,12 @@ def ensemble(
         raise ValueError("checkpoint cannot be combined with resume or output: omit these, or checkpoint")
     # Faults of the options are found here; in double-double every run finds them.
     if precision == "f64":
-        _native.ensemble(h._recorded, [], [], times, given, 1, None)
+        _native.ensemble(h._recorded, [], [], (start[0], end[0]), given, 1, None)
     at_once = min(workers, max(len(q), 1)) if executor is None or threads is not None else 1
-    task = _task(h, times, given, precision, at_once, output)
+    task = _task(h, (start, end), given, precision, at_once, output)
     digest = digest_of(task, q, p)
     if resume is not None:
-        check_resume(resume, digest, q.shape, times[1])
+        check_resume(resume, digest, (len(q), *h.shape), end[0])
     with ExitStack() as stack:
         stored = None
         if checkpoint is not None:
@@ -219,7 +218,7 @@ def ensemble(
 
 def _task(
     h: Hamiltonian,
-    times: tuple[float, float],
+    times: Times,
     given: dict[str, Any],
     precision: str,
     threads: int,

@@ -44,9 +44,10 @@ def draw_starts(q0: Any, p0: Any, n: int, *, seed: int = 0, spread: float = 0.01
     return drawn[0].reshape(-1, *q.shape), drawn[1].reshape(-1, *q.shape)
 
 
-def starts_of(x: Any, shape: Shape, name: str) -> Floats:
-    """Positions or momenta of N initial conditions, (N, *shape)."""
-    high, _ = pairs(x, name)
+def starts_of(x: Any, shape: Shape, name: str, precision: str) -> Floats:
+    """Positions or momenta of N initial conditions, (N, *shape); in double-double (N, 2, *shape), with high
+    and low words."""
+    high, low = pairs(x, name)
     if high.shape[1:] != shape or high.ndim != len(shape) + 1:
         raise ValueError(f"{name} has shape {high.shape}; it must be (N, {', '.join(map(str, shape))})")
-    return high
+    return np.stack([high, low], axis=1) if precision == "dd" else high
