@@ -23,7 +23,8 @@ use std::ffi::OsString;
     version,
     about = "Energy-preserving integration of Hamiltonian systems",
     long_about = "Integrates named Hamiltonian systems with EQUIP methods: Gauss methods with free parameters α. \
-        Every step solves for the α that conserves the energy H to round-off. Quadratic invariants are conserved too.",
+        Each step first computes the Gauss step (α = 0). If its energy error exceeds the round-off level, the solver \
+        determines the parameters α so that H returns to its initial value. Quadratic invariants are conserved too.",
     after_help = "Examples:\n  equip scenes                       the scenes: named test problems\n  \
         equip scenes kepler                formula, parameters and source of one scene\n  \
         equip run kepler                   a run with its certificate\n  \

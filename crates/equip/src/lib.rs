@@ -89,6 +89,9 @@ mod guide {
     #[doc = include_str!("../../../docs/choosing.md")]
     struct Choosing;
 
+    #[doc = include_str!("../../../docs/brackets.md")]
+    struct Brackets;
+
     #[doc = include_str!("../../../docs/events.md")]
     struct Events;
 

@@ -26,7 +26,8 @@ class EnergyRoundOff:
     round_off: float
     #: Time at the end of the step with this level.
     time: float
-    #: abs(H), or the kinetic energy if it is larger and the round-off level exceeds 1e-6 of abs(H).
+    #: abs(H_ref), or the largest kinetic energy since then if that is larger and the round-off level exceeds
+    #: √ε·abs(H_ref) (1.5e-8 in f64).
     scale: float
 
 

@@ -22,8 +22,8 @@ class Hamiltonian:
     """The energy H(q, p) of a system, and its derivatives.
 
     The constructor calls `function(q, p)` once, with arrays of variables, and records its formula. Captured
-    arrays are read at this time; later changes of them have no effect. Derivatives are exact to rounding. All
-    evaluations run as machine code, without Python.
+    arrays are read at this time; later changes of them have no effect. Derivatives are exact to rounding.
+    Steps run in compiled Rust, without calling Python.
 
     Parameters
     ----------

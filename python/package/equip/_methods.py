@@ -33,7 +33,10 @@ def _options(family: str, stages: int, preconditioner: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Equip:
-    """EQUIP methods of order 2s. Every step solves for the parameters α_k, so that H is conserved.
+    """EQUIP methods of order 2s, which conserve H.
+
+    Each step first computes the Gauss step (α = 0). If its energy error exceeds the round-off level, the solver
+    determines the parameters α_k so that H(y₁) = H_ref.
 
     Parameters
     ----------

@@ -184,7 +184,8 @@ def solve(
     span
         Start and end of the interval; the run goes backward in time if the end lies before the start.
     method
-        `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
+        Any of the six methods; `equip.AveragedVectorField`, `equip.Trapezoidal` and `equip.Hbvm` of degree 1
+        need `step`.
     step, tolerance
         Either a fixed step size, or a tolerance: the error of a step relative to the change of the state over
         the step. The default is the tolerance 1e-12, in double-double 1e-24.
@@ -199,7 +200,8 @@ def solve(
         number of roots is not accepted); `direction` 1 or -1 selects rising or falling roots. An attribute
         `then`, a function of (t, q, p) that returns (q, p), changes the state at every root, as in a bounce
         or a kick. The run then continues and conserves the value of H after the change. `then` is called with
-        numbers, in another thread. `Solution.y_events` has the states before the changes. Simultaneous events
+        numbers, in another thread. It cannot be combined with `precision="dd"`, `chaos=True` or `checkpoint`.
+        `Solution.y_events` has the states before the changes. Simultaneous events
         all change the state, in the order of this list. A root at the start is not reported.
     invariants
         Quantities f(q, p) to monitor, by name; f(t, q, p) if H depends on time. The certificate has their

@@ -203,7 +203,8 @@ def steps(
     t0
         Initial time.
     method
-        `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
+        Any of the six methods; `equip.AveragedVectorField`, `equip.Trapezoidal` and `equip.Hbvm` of degree 1
+        need `step`.
     step, tolerance
         Either a fixed step size (negative for a run backward in time), or a tolerance: the error of a step
         relative to the change of the state over the step. The default is the tolerance 1e-12.

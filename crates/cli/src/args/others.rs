@@ -160,13 +160,14 @@ pub(crate) struct PaperArgs {
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The report begins with a conclusion in three sentences, computed from its figures. The first part is \
-        Kepler's problem with step size control: error and energy error after 1000 revolutions (10\u{2075} in the complete \
-        report), and close encounters. The second part has, for each scene, EQUIP and Gauss with several numbers of \
-        stages: error and energy error against run time, counts of work, and the time to given errors. All methods use \
-        the gradient derived from H. benches/peers compares with other methods and programs.\n\n\
-        The command writes report.html (self-contained), runs.csv, times.csv, and SVG files for long runs, close \
-        encounters and each scene.\n\n\
+    after_help = "The report begins with a conclusion in three sentences, computed from its figures. Then follow \
+        long runs with step size control (error and energy error of Kepler's problem with e = 0.6 after 1000 \
+        revolutions, in the complete report after 10\u{2075}) and close encounters (e = 0.9, 0.99 and 0.999). Then follows \
+        time against error for each scene, with fixed steps, and with step size control for s = 8: error and energy \
+        error, counts of work, and the time to given errors. All methods use the gradient derived from H. With --peers \
+        other programs follow.\n\n\
+        The command writes report.html (self-contained), tables (runs.csv, times.csv, long-runs.csv, \
+        close-encounters.csv) and SVG files.\n\n\
         Examples:\n  \
         equip report --quick\n  \
         equip report --only kepler --out kepler-report\n  \

@@ -9,14 +9,17 @@ use std::fmt;
 /// close encounter
 const MOST_NODES: usize = 16;
 
-/// Energy and quadratic invariants preserving methods: Gauss methods that solve for the α_k in every step.
+/// Energy and quadratic invariants preserving methods: Gauss methods with free parameters α_k. Each step
+/// first computes the Gauss step (α = 0). If its energy error exceeds the round-off level, the solver
+/// determines the α_k so that H(y₁) = H_ref.
 #[derive(Debug, Clone, Copy)]
 pub struct Equip;
 
 impl Equip {
     /// EQUIP with s ≥ 2 stages, order 2s. Use s ≥ 3: with s = 2 there is a single α.
     ///
-    /// By default the first three of α_1 … α_{s−1} are solved for, or as many as there are constraints.
+    /// By default the first max(3, c) of α_1 … α_{s−1} are solved for, c being the number of conserved
+    /// quantities.
     /// [`Method::alphas`] selects the single α of the paper.
     pub fn stages(stages: usize) -> Method {
         Method {

@@ -64,7 +64,8 @@ impl Method {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// A target that is not positive, a target below the round-off errors
+    /// # Errors
+    /// Returns an error for a target that is not positive, a target below the round-off errors
     /// ([`IntegrateError::TargetBelowRoundOff`]), a target that no trial of reasonable length reaches
     /// ([`IntegrateError::TargetNotReached`]), a phase although the second derivatives of H vanish, and the
     /// errors of the start.

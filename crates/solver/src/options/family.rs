@@ -9,8 +9,9 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Alphas {
-    /// The first three α_k, or as many as there are constraints, such that the end point changes least. The
-    /// other α_k stay zero, because they would change the stages more for the same effect.
+    /// The first max(3, c) of the α_k, c being the number of constraints, or all of them if there are fewer,
+    /// such that both ends of the step change least. The other α_k stay zero, because they would change the
+    /// stages more for the same effect.
     #[default]
     All,
     /// Only α_{s−1}, as in the paper. If ∂g/∂α vanishes there is no solution; see the outcomes of the steps.
@@ -26,7 +27,7 @@ pub enum Family {
     Gauss,
     /// α_{s−1} fixed: symplectic, order 2s − 2 if it is not zero.
     FixedAlpha(Constant),
-    /// α solved for in every step.
+    /// α solved for in every step whose energy error with α = 0 exceeds the round-off level.
     Equip(Alphas),
     /// HBVM(k, s) of this degree s, on k Gauss nodes, k being the number of stages. Its order is 2s. It
     /// conserves H up to the quadrature error of ∇H along a step, and no quadratic invariant.

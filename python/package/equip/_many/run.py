@@ -80,7 +80,8 @@ def ensemble(
     t_eval, dense_output, events, precision
         Options of the `Solution` that `output` receives, as in `equip.solve`. They need `output`.
     method
-        `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
+        Any of the six methods; `equip.AveragedVectorField`, `equip.Trapezoidal` and `equip.Hbvm` of degree 1
+        need `step`.
     step, tolerance
         Either a fixed step size without a sign, or a tolerance: the error of a step relative to the change of
         the state over the step. The default is the tolerance 1e-12.
