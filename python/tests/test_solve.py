@@ -245,7 +245,7 @@ def fails(kepler, text, *arguments, **options):
 
 def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, "give a step or a tolerance, not both", step=0.1, tolerance=1e-8)
-    fails(kepler, "max_step belongs to steps by tolerance: leave out step, or them", step=0.1, max_step=1.0)
+    fails(kepler, "max_step belongs to variable steps: leave out step, or them", step=0.1, max_step=1.0)
     fails(kepler, "steps of -0.1 from 0 lead away from 1; give a step without a sign", step=-0.1)
     fails(kepler, "the step is 0; it must", step=0.0)
     fails(kepler, r"atol has 3 parts; it must be a number, or a pair", atol=(1e-9, 1e-9, 1e-9))
@@ -267,7 +267,7 @@ def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, "stages is 40; it must be a whole number, 2 to 32", method=equip.Equip(40))
     fails(kepler, "alpha_policy is 'far'; it must be", method=equip.Equip(4, alpha_policy="far"))
     fails(kepler, "preconditioner is 'none'; it must be", method=equip.Gauss(4, preconditioner="none"))
-    fails(kepler, "alphas is 'first'; it must be 'all' or 'last'", method=equip.Equip(4, alphas="first"))
+    fails(kepler, "alphas is 'first'; it must be 'several' or 'last'", method=equip.Equip(4, alphas="first"))
     fails(kepler, "precision is 'f32'; it must be 'f64' or 'dd'", precision="f32")
     fails(kepler, "record is 0; it must be a positive integer or 'ends'", record=0)
     fails(kepler, "record is 'all'; it must be a positive integer or 'ends'", record="all")

@@ -109,13 +109,13 @@ fn kepler_1000_periods_with_the_single_alpha_of_the_paper() {
 
 #[test]
 fn kepler_1000_periods_with_all_alphas() {
-    keeps_energy_and_momentum_for_1000_periods(Alphas::All);
+    keeps_energy_and_momentum_for_1000_periods(Alphas::Several);
 }
 
 #[test]
 #[ignore = "known deficit: the single alpha keeps the energy on 430 of 1600 steps"]
 fn kepler_in_double_double_keeps_both_to_its_own_rounding() {
-    for alphas in [Alphas::Last, Alphas::All] {
+    for alphas in [Alphas::Last, Alphas::Several] {
         let equip = orbit::<DoubleDouble>(Equip::stages(3).alphas(alphas), 10);
         assert_eq!(equip.solved, 1600);
         assert!(equip.energy <= 1e-30);
@@ -181,7 +181,7 @@ fn chaotic<T: Float>(alphas: Alphas, q2: &str, steps: u64) -> (u64, f64) {
 fn all_alphas_solve_where_the_single_one_has_no_solution() {
     let mut without = 0;
     for q2 in ["-0.2", "0.1", "0.3", "0.5"] {
-        let (uncorrected, worst) = chaotic::<f64>(Alphas::All, q2, 1000);
+        let (uncorrected, worst) = chaotic::<f64>(Alphas::Several, q2, 1000);
         assert!(uncorrected == 0 && worst <= 1e-15);
         // The next step removes the energy error: the defect is that of single Gauss steps, it does not
         // grow.
@@ -190,6 +190,6 @@ fn all_alphas_solve_where_the_single_one_has_no_solution() {
         without += uncorrected;
     }
     assert!(without > 0);
-    let (uncorrected, worst) = chaotic::<DoubleDouble>(Alphas::All, "-0.2", 300);
+    let (uncorrected, worst) = chaotic::<DoubleDouble>(Alphas::Several, "-0.2", 300);
     assert!(uncorrected == 0 && worst <= 1e-31);
 }

@@ -172,7 +172,7 @@ pub enum IntegrateError<T: Float> {
         expected: &'static str,
     },
     /// There are more quantities to conserve than parameters α.
-    #[error("{kept} quantities to conserve, but only {alphas} free parameters α; use at least {} stages with all α free, or conserve fewer quantities", kept + 1)]
+    #[error("{kept} quantities to conserve, but only {alphas} free parameters α; use at least {} stages with several α_k (default), or conserve fewer quantities", kept + 1)]
     TooFewAlphas {
         /// The number of equations: the energy unless H is quadratic, and the further invariants.
         kept: usize,
@@ -289,7 +289,7 @@ pub enum IntegrateError<T: Float> {
         /// The last knot.
         last: T,
     },
-    /// The step controller requires a step below the smallest allowed one, or below the resolution of time.
+    /// The step size control requires a step below the smallest allowed one, or below the resolution of time.
     #[error(
         "the tolerance {tolerance:e} requires a step below {step:e} at t = {time}{}",
         below_minimum(*step, *min, *growth),
@@ -345,9 +345,9 @@ pub enum IntegrateError<T: Float> {
         /// The last change of the stages, relative to the state.
         correction: T,
     },
-    /// The solution of the stage equations does not follow the motion.
+    /// The iteration converged to a spurious solution of the stage equations.
     #[error(
-        "the step at t = {time}, h = {step} is too large: the solution of its stage equations does not follow the motion (H changes by {change:e}, while positions and momenta exchange {exchanged:e}); use a smaller step",
+        "the step at t = {time}, h = {step} is too large: the iteration converged to a spurious solution of the stage equations (H changes by {change:e}, while positions and momenta exchange {exchanged:e}); use a smaller step",
         time = plain(*time), step = plain(*step))]
     Astray {
         /// The start of the step.
@@ -385,7 +385,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// No admissible α conserves the energy, and uncorrected steps are to be rejected.
     #[error(
-        "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {energy_error:e}, round-off level {round_off:e}); use a smaller step, more stages or all α, or accept uncorrected steps",
+        "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {energy_error:e}, round-off level {round_off:e}); use a smaller step, more stages or several α_k (default), or accept uncorrected steps",
         time = plain(*time), step = plain(*step))]
     NoAdmissibleAlpha {
         /// The start of the step.

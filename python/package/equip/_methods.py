@@ -35,15 +35,16 @@ def _options(family: str, stages: int, preconditioner: str) -> dict[str, Any]:
 class Equip:
     """EQUIP methods of order 2s, which conserve H.
 
-    Each step first computes the Gauss step (α = 0). If its energy error exceeds the round-off level, the solver
-    determines the parameters α_k so that H(y₁) = H_ref.
+    Each step first computes the Gauss step (α = 0). If its energy error exceeds the round-off level, the
+    solver determines the parameters α_k so that H(y₁) = H_ref, the value of H at the start.
 
     Parameters
     ----------
     stages
         s, from 2 to 32.
     alphas
-        Which α_k are free: "all", or the "last" one only.
+        Which α_k are free: "several", the first three or as many as there are conserved quantities; or the
+        "last" one only, as in the paper.
     alpha_policy
         Limit on the change of the end point caused by α. "within error": if the change would be much larger
         than the local error, the step is left uncorrected. "always": no limit. "refuse": the run ends with an
@@ -51,17 +52,18 @@ class Equip:
     alpha_bound
         Largest |α|, dimensionless.
     preconditioner
-        How the stages are iterated; the solution is the same.
+        How the stages are iterated: "identity" (fixed-point iteration), "diagonal", "frozen" (simplified
+        Newton), "full" (Newton), or "automatic". The solution is the same.
     """
 
     stages: int = 8
-    alphas: Literal["all", "last"] = "all"
+    alphas: Literal["several", "last"] = "several"
     alpha_policy: Literal["within error", "always", "refuse"] = "within error"
     alpha_bound: float = 0.05
     preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
 
     def _options(self) -> dict[str, Any]:
-        family = "equip" if chosen("alphas", self.alphas, ("all", "last")) == "all" else "equip-last"
+        family = "equip" if chosen("alphas", self.alphas, ("several", "last")) == "several" else "equip-last"
         options = _options(family, self.stages, self.preconditioner)
         alpha_policy = chosen("alpha_policy", self.alpha_policy, ("within error", "always", "refuse"))
         return {
@@ -80,7 +82,8 @@ class Gauss:
     stages
         s, from 1 to 32; with variable steps, from 2.
     preconditioner
-        How the stages are iterated; the solution is the same.
+        How the stages are iterated: "identity" (fixed-point iteration), "diagonal", "frozen" (simplified
+        Newton), "full" (Newton), or "automatic". The solution is the same.
     """
 
     stages: int = 8
@@ -101,7 +104,8 @@ class FixedAlpha:
     alpha
         The last α, dimensionless.
     preconditioner
-        How the stages are iterated; the solution is the same.
+        How the stages are iterated: "identity" (fixed-point iteration), "diagonal", "frozen" (simplified
+        Newton), "full" (Newton), or "automatic". The solution is the same.
     """
 
     stages: int
@@ -126,7 +130,8 @@ class Hbvm:
     degree
         s, from 1.
     preconditioner
-        How the stages are iterated; the solution is the same.
+        How the stages are iterated: "identity" (fixed-point iteration), "diagonal", "frozen" (simplified
+        Newton), "full" (Newton), or "automatic". The solution is the same.
     """
 
     nodes: int
@@ -146,7 +151,8 @@ class AveragedVectorField:
     Parameters
     ----------
     preconditioner
-        How the stages are iterated; the solution is the same.
+        How the stages are iterated: "identity" (fixed-point iteration), "diagonal", "frozen" (simplified
+        Newton), "full" (Newton), or "automatic". The solution is the same.
     """
 
     preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
@@ -164,7 +170,8 @@ class Trapezoidal:
     nodes
         k, from 2 to 8.
     preconditioner
-        How the stages are iterated; the solution is the same.
+        How the stages are iterated: "identity" (fixed-point iteration), "diagonal", "frozen" (simplified
+        Newton), "full" (Newton), or "automatic". The solution is the same.
     """
 
     nodes: int = 5

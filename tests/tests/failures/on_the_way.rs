@@ -172,7 +172,7 @@ fn refuses<T: Float>() {
         &[
             "smaller step",
             "more stages",
-            "all α",
+            "several α_k",
             "accept uncorrected steps",
         ],
     );

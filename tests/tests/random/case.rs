@@ -58,7 +58,7 @@ impl Case {
             alphas: if rng.once_in(6) {
                 Alphas::Last
             } else {
-                Alphas::All
+                Alphas::Several
             },
             alpha_policy: if rng.once_in(6) {
                 AlphaPolicy::Refuse

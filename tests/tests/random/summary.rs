@@ -48,7 +48,7 @@ impl Summary {
         self.energy.push((energy, seed));
         if let Some(errors) = errors(&case, &ran) {
             let freedom = match (case.stages, case.alphas) {
-                (3.., Alphas::All) => Freedom::Several,
+                (3.., Alphas::Several) => Freedom::Several,
                 _ => Freedom::Single,
             };
             self.trajectories

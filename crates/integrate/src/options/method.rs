@@ -24,7 +24,7 @@ impl Equip {
     pub fn stages(stages: usize) -> Method {
         Method {
             stages,
-            family: Family::Equip(Alphas::All),
+            family: Family::Equip(Alphas::Several),
         }
     }
 }

@@ -13,7 +13,7 @@ pub enum Alphas {
     /// such that both ends of the step change least. The other α_k stay zero, because they would change the
     /// stages more for the same effect.
     #[default]
-    All,
+    Several,
     /// Only α_{s−1}, as in the paper. If ∂g/∂α vanishes there is no solution; see the outcomes of the steps.
     Last,
 }
@@ -81,7 +81,7 @@ impl fmt::Display for Family {
             Family::FixedAlpha(alpha) => {
                 write!(f, "Gauss family, fixed α = {}", alpha.to::<f64>())
             }
-            Family::Equip(Alphas::All) => f.write_str("EQUIP"),
+            Family::Equip(Alphas::Several) => f.write_str("EQUIP"),
             Family::Equip(Alphas::Last) => f.write_str("EQUIP with the last α only"),
             Family::Hbvm { degree } => write!(f, "HBVM of degree {degree}"),
             Family::AveragedVectorField => f.write_str("averaged vector field"),

@@ -25,10 +25,10 @@ pub enum Preconditioner {
     /// The least expensive of the others whose iteration contracts.
     #[default]
     Automatic,
-    /// M = 1, fixed-point iteration: gradients at the stages, no Hessian, no linear system.
+    /// M = 1 (fixed-point iteration): gradients at the stages, no Hessian, no linear system.
     Identity,
-    /// Stiff harmonic modes along single components of H = T(p) + U(q). If there are none, M = 1 at the cost
-    /// of one Hessian a step.
+    /// Stiff harmonic modes along single components of H = T(p) + U(q). If H has no such modes, this is
+    /// fixed-point iteration with one additional Hessian a step.
     Diagonal,
     /// One ∇²H for all stages (simplified Newton): ⌈s/2⌉ complex systems of size 2m, or m if H is separable,
     /// sparse if ∇²H is sparse.
@@ -70,7 +70,7 @@ impl<T: Float> StepOptions<T> {
                 _ => None,
             },
             first_alpha: match family {
-                Family::Equip(Alphas::All) => Some(1),
+                Family::Equip(Alphas::Several) => Some(1),
                 Family::Equip(Alphas::Last) => Some(stages - 1),
                 _ => None,
             },

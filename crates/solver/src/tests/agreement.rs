@@ -33,7 +33,7 @@ fn compare<T: Float>(
     let y: Vec<T> = y.iter().map(|&x| T::exact(x)).collect();
     let (gauss, step) = (Coefficients::<T>::gauss(s).unwrap(), T::exact(step));
     let h_ref = h.evaluator::<T>().compensated_value(&y);
-    let options = StepOptions::<T>::new(s, Family::Equip(Alphas::All));
+    let options = StepOptions::<T>::new(s, Family::Equip(Alphas::Several));
     let mut oracle = Oracle::new(h, h_ref, options.alpha_bound);
     let expected = oracle.step(&gauss, &y, step, T::int(0)).unwrap();
     let mut gauss_step = Core::new(

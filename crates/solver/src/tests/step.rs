@@ -27,7 +27,7 @@ fn core(
 ) -> Core<f64> {
     let options = StepOptions {
         alpha_policy,
-        ..StepOptions::new(s, Family::Equip(Alphas::All))
+        ..StepOptions::new(s, Family::Equip(Alphas::Several))
     };
     let mut evaluator = h.evaluator::<f64>();
     let h_ref = evaluator.compensated_value(y);
