@@ -70,5 +70,6 @@ pub(crate) fn scene<'py>(
     dict.set_item("source", scene.source)?;
     dict.set_item("solution", scene.solution)?;
     dict.set_item("hard", scene.hard)?;
+    dict.set_item("units", scene.units)?;
     Ok(dict)
 }

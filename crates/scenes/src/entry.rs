@@ -14,6 +14,8 @@ pub(crate) struct Entry<M> {
     pub(crate) invariants: &'static str,
     pub(crate) solution: &'static str,
     pub(crate) hard: &'static str,
+    pub(crate) units: &'static str,
+    pub(crate) period: &'static str,
     /// The Hamiltonian for values of the parameters, in their order.
     pub(crate) build: fn(&[Value]) -> M,
 }

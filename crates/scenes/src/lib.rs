@@ -2,9 +2,9 @@
 //! difficulties.
 //!
 //! [`all`] is the catalogue, and [`find`] looks up a name. [`Scene::instance`] takes parameters as text and
-//! traces H. [`Instance`] has everything that a run needs, in any float type. [`Instance::from_reference`]
-//! has the initial state of a stored reference. The Hamiltonians themselves are in [`energies`], as types
-//! with their parameters.
+//! traces H. [`Instance`] has everything that a run needs, in any floating-point type.
+//! [`Instance::from_reference`] has the initial state of a stored reference. The Hamiltonians themselves are
+//! in [`energies`], as types with their parameters.
 //!
 //! ```
 //! let scene = equip_scenes::find("pendulum")?;

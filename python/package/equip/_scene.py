@@ -17,8 +17,8 @@ class Scene(Hamiltonian):
 
     Attributes
     ----------
-    name, title, formula, source, solution, hard
-        Texts: description, formula, source, known solutions, and difficulties.
+    name, title, formula, source, solution, hard, units
+        Texts: description, formula, source, known solutions, difficulties, and units (empty without units).
     parameters
         The values of the parameters, as text.
     q0, p0
@@ -44,6 +44,7 @@ class Scene(Hamiltonian):
         self.source: str = found["source"]
         self.solution: str = found["solution"]
         self.hard: str = found["hard"]
+        self.units: str = found["units"]
         self.parameters: dict[str, str] = dict(found["parameters"])
         self.q0: Floats = np.array(found["start"][0])
         self.p0: Floats = np.array(found["start"][1])

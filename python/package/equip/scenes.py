@@ -159,8 +159,8 @@ def spring_pendulum(*, k: Value = 10000, g: Value = 1) -> Scene:
 
 
 def fpu(*, m: Value = 3, omega: Value = 50) -> Scene:
-    """Fermi–Pasta–Ulam with stiff springs: H = sum (y0_i^2 + y1_i^2)/2 + w^2/2 sum x1_i^2 + [(x0_1 -
-    x1_1)^4 + sum (x0_{i+1} - x1_{i+1} - x0_i - x1_i)^4 + (x0_m + x1_m)^4]/4
+    """Modified FPU problem with stiff springs (HLW I.5): H = sum (y0_i^2 + y1_i^2)/2 + w^2/2 sum x1_i^2 +
+    [(x0_1 - x1_1)^4 + sum (x0_{i+1} - x1_{i+1} - x0_i - x1_i)^4 + (x0_m + x1_m)^4]/4
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def fpu(*, m: Value = 3, omega: Value = 50) -> Scene:
 
 
 def fput_beta(*, n: Value = 32, beta: Value = 0.3, amplitude: Value = 10) -> Scene:
-    """Fermi–Pasta–Ulam–Tsingou beta chain: H = sum p_i^2/2 + sum [d_i^2/2 + beta d_i^4/4], d_i = q_{i+1} -
+    """FPUT-β chain: H = sum p_i^2/2 + sum [d_i^2/2 + beta d_i^4/4], d_i = q_{i+1} -
     q_i, fixed ends
 
     Parameters

@@ -7,6 +7,9 @@ use crate::text::wrapped;
 use equip_scenes::{Parameter, Scene};
 use std::io::{Write, stdout};
 
+/// The width of the longest label of [`describe`], and two blanks.
+const LABELS: usize = 22;
+
 pub(crate) fn scenes(args: &ScenesArgs) -> Result<(), Fault> {
     match &args.name {
         Some(name) => describe(equip_scenes::find(name)?, &mut stdout().lock()),
@@ -52,21 +55,27 @@ fn list(out: &mut impl Write) -> Result<(), Fault> {
 
 fn describe(scene: &'static Scene, out: &mut impl Write) -> Result<(), Fault> {
     let instance = scene.instance(&[])?;
-    let mut line = |label: &str, text: &str| writeln!(out, "{}", wrapped(label, 16, text));
+    let width = (scene.name.chars().count() + 2).max(LABELS);
+    let mut line = |label: &str, text: &str| writeln!(out, "{}", wrapped(label, width, text));
     line(scene.name, scene.title)?;
     line("", scene.formula)?;
-    line(
-        "freedom",
-        &format!(
-            "m = {} degrees",
-            instance.hamiltonian().degrees_of_freedom()
-        ),
-    )?;
+    let m = instance.hamiltonian().degrees_of_freedom();
+    line("degrees of freedom", &m.to_string())?;
     line("source", scene.source)?;
-    line("kept besides H", scene.invariants)?;
+    line("invariants besides H", scene.invariants)?;
     line("solution", scene.solution)?;
-    line("hard", scene.hard)?;
-    line("period", &significant(instance.period(), 7))?;
+    line("difficulty", scene.hard)?;
+    if !scene.units.is_empty() {
+        line("units", scene.units)?;
+    }
+    let period = significant(instance.period(), 7);
+    match scene.period {
+        "" => line(
+            "time scale",
+            &format!("{period}, the unit of time; the motion has no period"),
+        )?,
+        of => line("period", &format!("{period}, {of}"))?,
+    }
     let (step, end) = (instance.suggested_step(), instance.suggested_end());
     line(
         "suggested",

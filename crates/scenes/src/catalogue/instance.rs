@@ -58,7 +58,7 @@ impl Instance {
     /// The scene, parameters and initial data of a stored reference solution (see
     /// [`reference_names`](crate::reference_names)).
     ///
-    /// If the reference starts from doubles, so does the instance, in every float type.
+    /// If the reference starts from doubles, so does the instance, in every floating-point type.
     ///
     /// # Errors
     /// [`SceneError::UnknownReference`] for another name.

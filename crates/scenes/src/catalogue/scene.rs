@@ -28,6 +28,11 @@ pub struct Scene {
     pub solution: &'static str,
     /// The difficulties of the scene, as text.
     pub hard: &'static str,
+    /// The units of length, time and mass, as text; empty without units.
+    pub units: &'static str,
+    /// The motion to which [`Instance::period`](crate::Instance::period) belongs, as text; empty if there is
+    /// none. A unit of time then takes its place.
+    pub period: &'static str,
     pub(crate) build: fn(&[Value]) -> AnyModel,
 }
 
@@ -43,6 +48,8 @@ macro_rules! scene {
             invariants: $entry.invariants,
             solution: $entry.solution,
             hard: $entry.hard,
+            units: $entry.units,
+            period: $entry.period,
             build: |values| ($entry.build)(values).into(),
         }
     };

@@ -24,6 +24,8 @@ scene! {
     invariants: "canonical angular momentum q1 p2 - q2 p1 (quadratic)",
     solution: "none stored",
     hard: "not separable; b >> 1: gyration with frequency b |q| around a slow drift",
+    units: "",
+    period: "of the gyration at |q| = 1",
 }
 
 impl Model for ChargedParticle {

@@ -29,6 +29,8 @@ scene! {
     invariants: "norm sum (q_j^2 + p_j^2)/2 (quadratic)",
     solution: "closed form when modulation = 0",
     hard: "not separable; gamma amplitude^2 > 4 sin^2(pi/n) makes the uniform state unstable",
+    units: "",
+    period: "of the uniform state",
 }
 
 impl Dnls {

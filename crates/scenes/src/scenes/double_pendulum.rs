@@ -60,6 +60,8 @@ pub(crate) const SCENE: Entry<DoublePendulum> = Entry {
     invariants: "none besides H; the angular momentum P1 (linear) when g = 0",
     solution: "reference double_pendulum (t = 16)",
     hard: "not separable; q1 = q2 = p1 = 0, p2 = 3.873 is the chaotic start of the source",
+    units: "",
+    period: "of one pendulum of unit length",
     build: |v| DoublePendulum {
         start: [0, 1, 2, 3].map(|i| v[i].exact),
         g: v[4].exact,
@@ -84,6 +86,8 @@ pub(crate) const STIFF: Entry<DoublePendulum> = Entry {
     invariants: "none besides H; the angular momentum P1 (linear) when g = 0",
     solution: "none stored",
     hard: "C -> infinity: fast frequency near 2.2 C, so h = 2^-7 gives h omega = 0.6 at C = 32 and 18 at C = 1024; not separable",
+    units: "",
+    period: "of one pendulum of unit length",
     build: |v| {
         let momentum = ratio(27_746, 10_000);
         let start = [ratio(11, 10), ratio(-11, 10), momentum, momentum];

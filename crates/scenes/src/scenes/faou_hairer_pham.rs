@@ -18,7 +18,9 @@ scene! {
     source: "Faou, Hairer, Pham, Energy conservation with non-symplectic methods: examples and counter-examples, BIT 44 (2004)",
     invariants: "none besides H",
     solution: "none stored",
-    hard: "H(start) = 0 and the kinetic part is not quadratic: relative energy errors are meaningless, and the positions alone cannot be the unknowns",
+    hard: "H_ref = 0 and the kinetic part is not quadratic: relative energy errors are meaningless, and the positions alone cannot be the unknowns",
+    units: "",
+    period: "",
 }
 
 impl Model for FaouHairerPham {

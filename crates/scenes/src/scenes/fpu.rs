@@ -20,12 +20,14 @@ scene! {
         omega: Constant = "50" in closed(1.0, 1e6), "frequency of the stiff springs";
     }
     name: "fpu",
-    title: "Fermi–Pasta–Ulam with stiff springs",
+    title: "Modified FPU problem with stiff springs (HLW I.5)",
     formula: "H = sum (y0_i^2 + y1_i^2)/2 + w^2/2 sum x1_i^2 + [(x0_1 - x1_1)^4 + sum (x0_{i+1} - x1_{i+1} - x0_i - x1_i)^4 + (x0_m + x1_m)^4]/4",
     source: "Hairer, Lubich, Wanner, Geometric Numerical Integration, I.5",
     invariants: "none besides H; the oscillatory energy I = sum (y1_i^2 + w^2 x1_i^2)/2 is kept up to O(1/w) only",
     solution: "reference fpu_hlw (m = 3, omega = 50, t = 200)",
     hard: "h omega >> 1: h = 1 with omega = 500 steps over 80 fast periods",
+    units: "",
+    period: "of the stiff springs",
 }
 
 impl Model for Fpu {

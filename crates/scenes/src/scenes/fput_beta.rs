@@ -17,12 +17,14 @@ scene! {
         amplitude: Constant = "10" in closed(-1e3, 1e3), "amplitude of the first mode";
     }
     name: "fput-beta",
-    title: "Fermi–Pasta–Ulam–Tsingou beta chain",
+    title: "FPUT-β chain",
     formula: "H = sum p_i^2/2 + sum [d_i^2/2 + beta d_i^4/4], d_i = q_{i+1} - q_i, fixed ends",
     source: "Fermi, Pasta, Ulam, Tsingou, Studies of nonlinear problems, Los Alamos LA-1940 (1955)",
     invariants: "none besides H",
     solution: "closed form when beta = 0",
     hard: "size: sparse H, cost must grow like n; beta A^2/n^2 above 1 is strongly chaotic",
+    units: "",
+    period: "of the first mode of the linear chain",
 }
 
 impl FputBeta {

@@ -20,9 +20,11 @@ scene! {
     title: "Harmonic oscillators",
     formula: "H = sum_j (p_j^2 + w_j^2 q_j^2)/2, w_j = omega ratio^(j-1)",
     source: "textbook",
-    invariants: "energy of the first and of the last oscillator (quadratic); angular momentum of the first two when ratio = 1",
+    invariants: "energy of oscillator 1 and of oscillator m (quadratic); angular momentum of the first two when ratio = 1",
     solution: "closed form",
     hard: "h omega >> 1: h = 1 with omega = 10^6 must stay bounded; ratio = 10 with m = 7 spans six decades",
+    units: "",
+    period: "of oscillator 1",
 }
 
 impl Harmonic {
@@ -66,8 +68,8 @@ impl Model for Harmonic {
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
         let mut all = Vec::new();
         for (name, j) in [
-            ("energy of the first", 0),
-            ("energy of the last", self.m - 1),
+            ("energy of oscillator 1", 0),
+            ("energy of oscillator m", self.m - 1),
         ] {
             all.push(Invariant::record(
                 name,

@@ -23,6 +23,8 @@ scene! {
     invariants: "none besides H",
     solution: "references hh_regular (energy 1/8, t = 1000) and henon_heiles_1_12 (t = 100)",
     hard: "energy above 1/9 mixes order and chaos; at 1/6 nearly all orbits are chaotic and h = 0.5 leaves an energy error a single alpha cannot always remove",
+    units: "",
+    period: "of small oscillations",
 }
 
 impl HenonHeiles {

@@ -23,6 +23,8 @@ scene! {
     invariants: "angular momentum (quadratic), Laplace-Runge-Lenz vector (not quadratic)",
     solution: "closed form by Kepler's equation; references kepler06_1000 and kepler09_100",
     hard: "e -> 1: at e = 0.99 the speed at the pericentre is 199 times that at the apocentre and a fixed step needs some 10^4 steps a period",
+    units: "",
+    period: "of the orbit",
 }
 
 impl Model for Kepler {

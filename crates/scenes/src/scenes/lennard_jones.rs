@@ -26,6 +26,8 @@ scene! {
     invariants: "momentum (linear) in x and y, angular momentum (quadratic)",
     solution: "none stored",
     hard: "speed = 10 gives an atom up to 100 times the depth of the well, against a core that rises like r^-12",
+    units: "",
+    period: "of two atoms about their equilibrium",
 }
 
 impl LennardJones {

@@ -23,6 +23,8 @@ scene! {
     invariants: "none besides H",
     solution: "none stored",
     hard: "starts far from the equilibrium: from u = v = 1000, q falls to about -1978 between outbreaks, where exp(q) is 0 in f64",
+    units: "",
+    period: "of small oscillations",
 }
 
 impl Model for LotkaVolterra {

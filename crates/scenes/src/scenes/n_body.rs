@@ -27,6 +27,8 @@ scene! {
     invariants: "momentum (linear), angular momentum (quadratic), three components each",
     solution: "closed form when disorder = 0 (unstable: round-off grows)",
     hard: "n bodies cost n^2/2 pairs; the ring is unstable and close encounters follow",
+    units: "G = 1",
+    period: "of the ring",
 }
 
 impl Ring {

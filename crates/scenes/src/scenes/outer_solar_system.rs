@@ -25,6 +25,8 @@ scene! {
     invariants: "momentum (linear), angular momentum (quadratic), three components each",
     solution: "reference outer_ss (t = 200000 days)",
     hard: "masses from 1 to 8e-9 and |H| = 3e-8: the energy's round-off level lies near 1e-23",
+    units: "astronomical units, days, solar masses",
+    period: "of Jupiter",
 }
 
 /// G in au³/(day² solar mass).

@@ -28,6 +28,8 @@ scene! {
     invariants: "none besides H",
     solution: "closed form by Jacobi's elliptic functions; reference pendulum",
     hard: "p -> 2 at q = 0 is the separatrix: at p = 1.9999999999 the period is 51.6 instead of 6.28; p >> 1 rotates fast",
+    units: "",
+    period: "of one oscillation or revolution; of small oscillations on the separatrix",
 }
 
 /// Modulus and complementary modulus squared of the motion, both without cancellation.

@@ -20,6 +20,8 @@ scene! {
     invariants: "momentum (linear) in x and y, angular momentum (quadratic)",
     solution: "reference pythagorean (t = 10)",
     hard: "close encounters: two bodies pass at 0.0004 near t = 15.83; chaotic until one body escapes near t = 60",
+    units: "G = 1",
+    period: "",
 }
 
 const MASSES: [i32; 3] = [5, 4, 3];

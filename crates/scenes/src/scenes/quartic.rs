@@ -22,6 +22,8 @@ scene! {
     invariants: "none besides H",
     solution: "closed form by Jacobi's elliptic functions",
     hard: "amplitude A: the period is 7.416/A; at q = 0 the force and its derivative vanish",
+    units: "",
+    period: "of the oscillation",
 }
 
 /// A = (2p² + q⁴)^{1/4}.

@@ -26,6 +26,8 @@ scene! {
     invariants: "none besides H (the grid breaks the momentum)",
     solution: "none stored; the continuous breather has period 2 pi/omega",
     hard: "fine grids: fastest frequency 2 n/length, so n = 4096 on length 10 has 819; omega -> 0 is nearly a pair of kinks",
+    units: "",
+    period: "of the continuous breather",
 }
 
 impl Model for SineGordon {

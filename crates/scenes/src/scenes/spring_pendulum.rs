@@ -24,6 +24,8 @@ scene! {
     invariants: "none besides H; angular momentum when g = 0",
     solution: "none stored",
     hard: "k -> infinity: fast frequency sqrt(k), h = 0.1 gives h omega = 10 at the default and 10^5 at k = 10^12",
+    units: "",
+    period: "of the spring",
 }
 
 impl Model for SpringPendulum {
