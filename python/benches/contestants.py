@@ -69,7 +69,7 @@ def by_equip(
     unit: Optional[float],
     settings: Any,
 ) -> Contestant:
-    """One run; `unit` is the time that equal steps divide, None makes steps by tolerance."""
+    """One run; `unit` is the time that equal steps divide, None makes variable steps."""
     method, (q0, p0) = equip.Equip(stages=stages), start
 
     def make(setting: float) -> Callable[[], Any]:
@@ -150,7 +150,7 @@ def kepler() -> Problem:
         (
             by_equip("equip, s = 16, equal steps", record, ours, end, 16, 2 * math.pi, counts(8, 30)),
             by_equip("equip, s = 8, equal steps", record, ours, end, 8, 2 * math.pi, counts(14, 80)),
-            by_equip("equip, s = 8, by tolerance", record, ours, end, 8, None, tolerances(5, 14)),
+            by_equip("equip, s = 8, variable steps", record, ours, end, 8, None, tolerances(5, 14)),
             by_heyoka("heyoka", system, start, end, [0, 1], tolerances(9, 18)),
             by_heyoka(
                 "heyoka, high accuracy", system, start, end, [0, 1], tolerances(9, 18), high_accuracy=True
@@ -199,7 +199,7 @@ def outer_solar_system() -> Problem:
         1,
         (
             by_equip("equip, s = 8, equal steps", record, ours, end, 8, 4332.0, counts(3, 40)),
-            by_equip("equip, s = 8, by tolerance", record, ours, end, 8, None, tolerances(5, 14)),
+            by_equip("equip, s = 8, variable steps", record, ours, end, 8, None, tolerances(5, 14)),
             by_heyoka("heyoka", system, start, end, where, tolerances(7, 18)),
             by_heyoka(
                 "heyoka, high accuracy", system, start, end, where, tolerances(7, 18), high_accuracy=True
@@ -279,7 +279,7 @@ def henon_heiles(members: int) -> Problem:
         np.array(fine),
         members,
         (
-            ours("equip, s = 8, by tolerance", equip.Equip(stages=8), None, tolerances(6, 14)),
+            ours("equip, s = 8, variable steps", equip.Equip(stages=8), None, tolerances(6, 14)),
             ours("equip, s = 8, equal steps", equip.Equip(stages=8), end, counts(70, 400)),
             ours("equip, s = 16, equal steps", equip.Equip(stages=16), end, counts(40, 200)),
             ours("equip, Gauss s = 8, equal steps", equip.Gauss(stages=8), end, counts(70, 400)),

@@ -93,7 +93,7 @@ fn by_regime(text: &mut String, cells: &[&Cell]) {
 fn short(text: &mut String, own: &[&Cell], random: &[&Cell]) {
     let _ = writeln!(
         text,
-        "\n| regime | time: median, 99 % | error: mean, 98 %, largest | steps at round-off |\n|---|---|---|---|"
+        "\n| regime | time ratio: median, 99th percentile | error ratio: geometric mean, 98th percentile, largest | steps at round-off |\n|---|---|---|---|"
     );
     let mut row = |name: &str, cells: &[&Cell], regime: Regime| {
         let of = cells.iter().copied().filter(|cell| cell.regime == regime);

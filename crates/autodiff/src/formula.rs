@@ -73,7 +73,7 @@ impl Formula {
 
 impl Hamiltonian {
     /// Traces the energy of a system with m degrees of freedom. The closure is called once, here. Captured
-    /// numbers become constants, which each float type reads in its own precision.
+    /// numbers become constants, which each floating-point type reads in its own precision.
     ///
     /// # Errors
     /// [`BuildError`] if m = 0, if the closure compares the state or reads a number out of the state, if it

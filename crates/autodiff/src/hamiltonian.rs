@@ -10,7 +10,7 @@ use crate::{BuildError, BytesError, Structure};
 use equip_scalar::Outside;
 use std::sync::Arc;
 
-/// A scalar energy H(q, p): its value, gradient, Hessian and structure, in any float type.
+/// A scalar energy H(q, p): its value, gradient, Hessian and structure, in any floating-point type.
 ///
 /// An invariant is a scalar function of (q, p) as well, and is given in the same way.
 ///
@@ -224,8 +224,8 @@ impl Hamiltonian {
     ///
     /// A run compares the gradient with differences of H at its start and occasionally later. The structure
     /// of H is unknown: ∇²H takes 2n gradients and has n² entries, discontinuities are not detected, and a
-    /// run in another float type knows H and ∇H in double precision only. A closure of [`new`](Self::new) is
-    /// faster.
+    /// run in another floating-point type knows H and ∇H in double precision only. A closure of
+    /// [`new`](Self::new) is faster.
     ///
     /// # Errors
     /// [`BuildError::NoDegreesOfFreedom`], [`BuildError::TooManyDegreesOfFreedom`]; [`BuildError::Accuracy`]

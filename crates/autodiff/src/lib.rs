@@ -13,7 +13,7 @@
 //! At the first call, an energy of arithmetic, √ and |x| is compiled to machine code for x86-64 with AVX2 or
 //! AVX-512. Other energies are replayed from a tape. Both give the same results bit for bit.
 //!
-//! An [`Evaluator`] computes values and derivatives in one float type.
+//! An [`Evaluator`] computes values and derivatives in one floating-point type.
 //!
 //! Cost, in operations of H: a gradient one to three times as many; ∇²H·v about six times; all entries of ∇²H
 //! one to ten times if each term of H has a few variables, and no more than six for each entry of the fullest

@@ -46,7 +46,7 @@ pub(crate) fn run(args: &mut RunArgs) -> Result<(), Fault> {
     }
 }
 
-/// The whole command in float type `T`.
+/// The whole command in floating-point type `T`.
 fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     let (h, end) = time_scale::<T>(args, instance)?;
     let method = method::<T>(args.stages, &args.method)?;

@@ -313,7 +313,7 @@ fn a_checkpoint_of_another_run_is_refused_in_words() {
     let text = failure(2, &home, &["kepler", "--e", "0.8", "--until", "1"]);
     assert!(text.contains("--until"), "{text}");
     for (more, words) in [
-        (&["--precision", "dd"][..], "float type f64, this run has"),
+        (&["--precision", "dd"][..], "point type f64, this run has"),
         (&["--stages", "6"], "stages 8, this run has 6"),
         (&["--method", "gauss"], "method EQUIP, this run has Gauss"),
         (&["--step", "1/8"], "steps by a tolerance"),

@@ -214,7 +214,7 @@ fn what_does_not_fit_is_refused() {
     assert!(matches!(
         precision,
         IntegrateError::CheckpointMismatch {
-            what: "float type",
+            what: "floating-point type",
             ..
         }
     ));
@@ -314,7 +314,10 @@ fn a_checkpoint_belongs_to_its_functions_and_its_start() {
     let refused = checkpoint
         .check_start(&wide(&q), &wide(&p), DoubleDouble::int(0))
         .unwrap_err();
-    assert!(refused.to_string().contains("float type f64"), "{refused}");
+    assert!(
+        refused.to_string().contains("floating-point type f64"),
+        "{refused}"
+    );
     let (other_q, _) = scene("kepler", &[("e", "0.7")]).initial::<f64>();
     for (q, t0, what) in [(&other_q, 0.0, "start state"), (&q, 1.0, "start time")] {
         let refused = checkpoint.check_start(q, &p, t0).unwrap_err();

@@ -50,7 +50,7 @@ class PhasePerStep:
 
 @dataclass(frozen=True)
 class VariableSteps:
-    """The work of the step controller."""
+    """The work of the step size control."""
 
     #: Error of a step, relative to the change of the state over the step.
     tolerance: float
@@ -118,7 +118,7 @@ class Certificate:
     variable_steps: Optional[VariableSteps]
     start: float
     end: float
-    #: H at the start, and H - H(start) over the run; None if not measured.
+    #: H_ref, the value of H at the start, and H - H_ref over the run; None if not measured.
     energy: Optional[Conserved]
     #: Largest energy error of all steps in round-off levels, if the method solves for α.
     energy_in_round_off_levels: Optional[float]
@@ -126,7 +126,8 @@ class Certificate:
     energy_round_off: Optional[EnergyRoundOff]
     #: None if H does not jump during the run.
     energy_jumps: Optional[EnergyJumps]
-    #: None if the fixed-point iteration contracts, which it does for small phases only.
+    #: The largest hω of the fastest motion. hω is estimated only in steps 1, 2, 4, 8, …, and only if the
+    #: iteration converged slowly or used ∇²H. None: no such step.
     phase_per_step: Optional[PhasePerStep]
     #: Whether the steps resolve the fastest motion: hω ≤ s.
     motion_is_resolved: bool

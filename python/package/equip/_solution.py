@@ -28,9 +28,10 @@ _ARRAYS = (*_STATES, "energy_error", "outcome")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution:
-    """The states of a run and its certificate. Times and states are in the units of H.
+    """The states of a run and its certificate.
 
-    Pickles and files contain everything, including the dense output. A solution is equal only to itself.
+    Times, positions and momenta are in the units in which H is written. Pickles and files contain everything,
+    including the dense output. A solution is equal only to itself.
 
     Attributes
     ----------
@@ -39,7 +40,7 @@ class Solution:
     y
         States, (n, 2m): the components of q.ravel() and then those of p.ravel().
     energy_error
-        H - H(start), (n,); empty if not measured.
+        H - H_ref, H_ref being H at the start, (n,); empty if not measured.
     outcome
         Outcome of the step that ends at each state, (n,); empty with `t_eval`.
     t_events, y_events
@@ -209,7 +210,7 @@ class Solution:
         return ax
 
     def plot_energy(self, ax: Any = None) -> Any:
-        """Draws |H - H(start)| against time, on a logarithmic axis. Returns the axes of matplotlib.
+        """Draws |H - H_ref| against time, on a logarithmic axis. Returns the axes of matplotlib.
 
         Raises
         ------
@@ -224,7 +225,7 @@ class Solution:
         ax = _axes(ax)
         defect = np.abs(self.energy_error)
         ax.semilogy(self.t[: len(defect)], np.where(defect > 0, defect, np.nan), ".", markersize=2)
-        ax.set(xlabel="t", ylabel="|H − H(0)|")
+        ax.set(xlabel="t", ylabel="|H − H_ref|")
         return ax
 
     def section(self, x: int, y: int, *, event: int = 0, ax: Any = None) -> Any:

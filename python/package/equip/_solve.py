@@ -83,7 +83,7 @@ def options(
     by_tolerance = step is None
     if step is not None and given:
         belong = "belongs" if len(given) == 1 else "belong"
-        raise ValueError(f"{' and '.join(given)} {belong} to steps by tolerance: leave out step, or them")
+        raise ValueError(f"{' and '.join(given)} {belong} to variable steps: leave out step, or them")
 
     return {
         **method_options(method, by_tolerance),
@@ -170,7 +170,8 @@ def solve(
     checkpoint_every: float = 60.0,
     progress: bool = False,
 ) -> Solution:
-    """Integrates q' = ∂H/∂p, p' = -∂H/∂q over an interval of time. All numbers are in the units of H.
+    """Integrates q' = ∂H/∂p, p' = -∂H/∂q over an interval of time. Times, positions and momenta are in
+    the units in which H is written.
 
     Other Python threads continue to run. Ctrl-C ends the run within a tenth of a second or one step.
 

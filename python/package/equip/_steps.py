@@ -41,7 +41,7 @@ class Step:
     #: Positions and momenta, each of the shape of the Hamiltonian.
     q: Floats
     p: Floats
-    #: H - H(start); None if not measured.
+    #: H - H_ref, H_ref being H at the start; None if not measured.
     energy_error: Optional[float]
     #: α_1 ... α_{s-1}.
     alphas: Floats
@@ -192,7 +192,8 @@ def steps(
     rtol: Any = None,
     atol: Any = None,
 ) -> Steps:
-    """A run one step at a time: an endless iterator. All numbers are in the units of H.
+    """A run one step at a time: an endless iterator. Times, positions and momenta are in the units in
+    which H is written.
 
     Parameters
     ----------
@@ -220,7 +221,8 @@ def steps(
         that is always allowed. A number, or a pair for positions and momenta of numbers or arrays of their
         shape.
     tangent_vectors
-        Tangent vectors (δq, δp), flat, (k, 2m) or (2m,), propagated by the tangent map of the steps;
+        Tangent vectors (δq, δp), flat, (k, 2m) or (2m,), also if H depends on time, propagated by the tangent
+        map of the steps;
         `Steps.tangent_vectors` has them.
     events
         Functions g(t, q, p) whose roots are located, as in `equip.solve`, also between the ends of steps;
@@ -301,7 +303,7 @@ def suggest_step(
         The method, with the number of stages.
     target, by
         "trajectory": the largest error of a component of q and p, in their units. "energy": the largest
-        |H - H(start)| of the Gauss method with the same number of stages. "phase": the phase hω of the
+        |H - H_ref| of the Gauss method with the same number of stages. "phase": the phase hω of the
         fastest motion at the initial state, in radians.
 
     Returns

@@ -142,7 +142,7 @@ fn code(outcome: Outcome) -> u8 {
     all.position(|&o| o == outcome).unwrap_or_default() as u8
 }
 
-/// H - H(start) at the output times. With H(t, q, p) the energy that has gone in up to a time between two
+/// H - H_ref at the output times. With H(t, q, p) the energy that has gone in up to a time between two
 /// steps is not known.
 fn output_errors<T: Number>(hamiltonian: &Hamiltonian, run: &Run<T>) -> Option<Vec<f64>> {
     let energy = run.certificate().energy.as_ref()?;

@@ -11,7 +11,7 @@ use equip_scalar::{Constant, DoubleDouble};
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Known {
     Nothing,
-    /// This number, in every float type.
+    /// This number, in every floating-point type.
     Number(f64),
     /// −1, 0 or 1.
     Sign,

@@ -11,8 +11,8 @@ use crate::structure::bracket::Bracket;
 use crate::{Kinetic, Pattern, WrongGradient};
 use equip_scalar::{Float, InstructionSet};
 
-/// H, ∇H and ∇²H at states y = (q, p) of length n = 2m, in the float type `T`. The first call of each kind
-/// allocates workspace; later calls do not allocate.
+/// H, ∇H and ∇²H at states y = (q, p) of length n = 2m, in the floating-point type `T`. The first call of
+/// each kind allocates workspace; later calls do not allocate.
 ///
 /// Slices of another length are a programming error and panic.
 ///
@@ -46,7 +46,7 @@ pub(super) struct Turned<T: Float> {
     pub(super) along: Vec<T>,
 }
 
-/// The source of H, with the workspace of one float type.
+/// The source of H, with the workspace of one floating-point type.
 #[derive(Debug, Clone)]
 pub(super) enum Source<T: Float> {
     Traced(Box<TracedEvaluator<T>>),
@@ -58,7 +58,7 @@ pub(super) enum Source<T: Float> {
 use Source::{External, Traced, WithGradient};
 
 impl Hamiltonian {
-    /// An evaluator in float type `T`. Constants are converted and workspace is allocated once.
+    /// An evaluator in floating-point type `T`. Constants are converted and workspace is allocated once.
     pub fn evaluator<T: Float>(&self) -> Evaluator<T> {
         Evaluator::new(self)
     }

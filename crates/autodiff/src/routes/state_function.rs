@@ -3,8 +3,8 @@
 use crate::{Evaluator, Hamiltonian};
 use equip_scalar::Float;
 
-/// A traced function (t, q, p) ↦ g in one float type, from [`Hamiltonian::function`]. Its constants are as
-/// accurate as those of an energy.
+/// A traced function (t, q, p) ↦ g in one floating-point type, from [`Hamiltonian::function`]. Its constants
+/// are as accurate as those of an energy.
 #[derive(Debug)]
 pub struct StateFunction<T: Float> {
     evaluator: Evaluator<T>,
@@ -14,8 +14,8 @@ pub struct StateFunction<T: Float> {
 }
 
 impl Hamiltonian {
-    /// H as a function (t, q, p) ↦ H in one float type, for observers. t is ignored if H does not depend on
-    /// time.
+    /// H as a function (t, q, p) ↦ H in one floating-point type, for observers. t is ignored if H does not
+    /// depend on time.
     pub fn function<T: Float>(&self) -> StateFunction<T> {
         StateFunction::new(self)
     }

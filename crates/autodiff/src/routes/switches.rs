@@ -105,7 +105,7 @@ impl Switches {
         &self.domains
     }
 
-    /// An evaluator in float type `T`.
+    /// An evaluator in floating-point type `T`.
     pub fn evaluator<T: Float>(&self) -> SwitchEvaluator<T> {
         SwitchEvaluator {
             switches: self.clone(),
@@ -114,7 +114,7 @@ impl Switches {
     }
 }
 
-/// Evaluates the switches of an energy in the float type `T`.
+/// Evaluates the switches of an energy in the floating-point type `T`.
 #[derive(Debug, Clone)]
 pub struct SwitchEvaluator<T> {
     switches: Switches,
@@ -270,7 +270,7 @@ impl Domains {
         self.ranges.is_empty()
     }
 
-    /// An evaluator in float type `T`.
+    /// An evaluator in floating-point type `T`.
     pub fn evaluator<T: Float>(&self) -> DomainEvaluator<T> {
         DomainEvaluator {
             domains: self.clone(),
@@ -280,7 +280,7 @@ impl Domains {
     }
 }
 
-/// Checks in the float type `T` whether states are within the domains of an energy.
+/// Checks in the floating-point type `T` whether states are within the domains of an energy.
 #[derive(Debug, Clone)]
 pub struct DomainEvaluator<T> {
     domains: Domains,

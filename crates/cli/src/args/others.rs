@@ -140,7 +140,7 @@ pub(crate) struct CheckArgs {
 #[derive(Debug, Args)]
 #[command(
     after_help = "Brugnano, Iavernaro, Trigiante (2010): a Gauss method with one free parameter α. Every step solves \
-        H(y1) = H(y0) for α, with no bound on the change of y1 caused by α (equip run --method equip-last --alpha-policy \
+        H(y₁) = H(y₀) for α, with no bound on the change of y₁ caused by α (equip run --method equip-last --alpha-policy \
         always). On Kepler's problem with e = 0.6 the command measures the orders, α₀(h) = const · h², the energy error \
         of a step as a function of α, the angular momentum error, and the energy error over 1000 periods. Each line has \
         the statement, the measured figure, and whether the statement holds. Takes less than ten seconds.\n\n\

@@ -49,8 +49,8 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) step: Option<String>,
-    /// Variable steps with a local error of at most TOL relative to the change over the step; without a step
-    /// size, the default is 1e-12 (1e-24 in double-double)
+    /// Variable steps with an error estimate of at most TOL relative to the change over the step; without a
+    /// step size, the default is 1e-12 (1e-24 in double-double)
     #[arg(
         long,
         value_name = "TOL",
@@ -100,7 +100,7 @@ pub(crate) struct RunArgs {
     /// Floating-point type: f64 has 16 digits, dd (double-double) about 31
     #[arg(long, value_enum, default_value = "f64", help_heading = "Method")]
     pub(crate) precision: Precision,
-    /// Limit on the change of the end point y1 caused by α. within-error: if the change would be much larger
+    /// Limit on the change of the end point y₁ caused by α. within-error: if the change would be much larger
     /// than the local error, the step is left uncorrected. always: no limit. refuse: the run ends with an
     /// error where within-error would leave a step uncorrected
     #[arg(

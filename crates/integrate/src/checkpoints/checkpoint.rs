@@ -39,7 +39,7 @@ pub(crate) const FORMAT: u32 = 14;
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Checkpoint {
     pub(crate) format: u32,
-    /// The name of the float type.
+    /// The name of the floating-point type.
     pub(crate) precision: String,
     /// Method and options, which must be the same on resumption.
     pub(crate) options: Vec<(String, String)>,
@@ -80,7 +80,8 @@ impl Checkpoint {
     /// Checks that the run of this checkpoint started at (`q0`, `p0`), each of length m, at time `t0`.
     ///
     /// # Errors
-    /// [`IntegrateError::CheckpointMismatch`] with the float type or the first component that differs.
+    /// [`IntegrateError::CheckpointMismatch`] with the floating-point type or the first component that
+    /// differs.
     pub fn check_start<T: Float>(
         &self,
         q0: &[T],
@@ -101,10 +102,16 @@ impl Checkpoint {
     }
 
     fn check_precision<T: Float>(&self) -> Result<(), IntegrateError<T>> {
-        same("float type", &*self.precision, T::NAME, str::to_owned)
+        same(
+            "floating-point type",
+            &*self.precision,
+            T::NAME,
+            str::to_owned,
+        )
     }
 
-    /// Checks that the checkpoint is complete, and belongs to a run in this float type with these options.
+    /// Checks that the checkpoint is complete, and belongs to a run in this floating-point type with these
+    /// options.
     pub(crate) fn check<T: Float>(
         &self,
         options: &[(&'static str, String)],

@@ -6,14 +6,15 @@ use crate::options::tolerance::Tolerance;
 use equip_scalar::Float;
 
 impl Method {
-    /// An integrator with variable steps. The error of each step is about `tolerance`, relative to the change
-    /// over the step and for each component separately, so neither units nor masses matter. Energy and
-    /// quadratic invariants are conserved for any sequence of steps. If the frequencies of the motion depend
-    /// on the conserved quantities alone, as in Kepler's problem, position errors grow linearly in time.
+    /// An integrator with variable steps. The error of each step is about `tolerance`, relative to the
+    /// change over the step and for each component separately, so neither units nor masses matter. Energy
+    /// and quadratic invariants are conserved for any sequence of steps. If the frequencies of the motion
+    /// depend on the conserved quantities alone, as in Kepler's problem, position errors grow linearly in
+    /// time.
     ///
-    /// All sizes are positive, also in a run backward in time. A step that fails is shortened by step control
-    /// instead of being halved. The states of [`Integrator::output_at`] come from dense output, with the
-    /// accuracy of the steps.
+    /// All sizes are positive, also in a run backward in time. A step that fails is shortened by the step
+    /// size control instead of being halved. The states of [`Integrator::output_at`] come from dense output,
+    /// with the accuracy of the steps.
     ///
     /// The error estimate uses the decay of Legendre coefficients. `docs/which-steps.md` compares measured
     /// errors with tolerances.

@@ -158,8 +158,8 @@ impl<T: Float> Options<T> {
             ("max_halvings", self.max_halvings.to_string()),
             ("preconditioner", format!("{:?}", self.preconditioner)),
             ("measure_energy", self.measure_energy.to_string()),
-            ("invariants kept", names(&self.kept)),
-            ("invariants watched", names(&self.invariants)),
+            ("invariants preserved", names(&self.kept)),
+            ("invariants monitored", names(&self.invariants)),
         ]
     }
 

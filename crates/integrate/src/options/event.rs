@@ -32,8 +32,8 @@ enum Source<T> {
 
 /// A function g(t, q, p). All its sign changes along the run are found, including several within a step.
 ///
-/// A root is a sign change; zero counts as positive. Two roots are separated, and neither is missed, if g
-/// between them exceeds the rounding of g. If g only touches zero, its rounding decides whether there are two
+/// A root is a sign change; zero counts as positive. Two neighbouring roots are both found if |g| between
+/// them exceeds its rounding error. If g only touches zero, its rounding decides whether there are two
 /// roots or none.
 ///
 /// ```
@@ -75,7 +75,7 @@ impl<T> Event<T> {
     }
 
     /// An event for the roots of a function that is traced like an energy, by [`Hamiltonian::new`] or
-    /// [`Hamiltonian::with_time`]. Its constants are exact in the float type of the run.
+    /// [`Hamiltonian::with_time`]. Its constants are exact in the floating-point type of the run.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;

@@ -27,9 +27,9 @@ pub(crate) enum StepSizes<T> {
 }
 
 impl Method {
-    /// An integrator with the fixed step `h`, in the float type of `h`. With h > 0 a run over an interval has
-    /// steps of size h in the direction of the interval. With h < 0 the interval must lead backward in time.
-    /// A run that is advanced step by step goes backward in time if h < 0.
+    /// An integrator with the fixed step `h`, in the floating-point type of `h`. With h > 0 a run over an
+    /// interval has steps of size h in the direction of the interval. With h < 0 the interval must lead
+    /// backward in time. A run that is advanced step by step goes backward in time if h < 0.
     pub fn step<T: Float>(self, h: T) -> Integrator<T> {
         Integrator::new(self, StepSizes::Fixed(h))
     }
@@ -77,7 +77,7 @@ impl<T: Float> Integrator<T> {
     }
 
     /// The largest admissible |α_k|, 0.05 by default (dimensionless; α_k is added to ξ_k ≈ 1/(4k)). If a step
-    /// would need a larger α, a shorter step costs less accuracy than a larger bound.
+    /// needs a larger α, reduce the step size instead of raising this bound: a large α costs more accuracy.
     #[must_use]
     pub fn alpha_bound(mut self, bound: T) -> Self {
         self.options.alpha_bound = bound;

@@ -40,11 +40,11 @@ pub struct Certificate<T> {
     /// The largest |H − H_ref| in units of its round-off level, over all steps that solve for the energy,
     /// corrected or not.
     pub energy_in_round_off_levels: Option<T>,
-    /// The largest round-off level over the steps that conserved the energy, and the energies. `None` if no
-    /// step can conserve the energy, or the energy was not measured.
+    /// The largest round-off level of H in the run, with the energies it is compared with. `None` if the
+    /// method does not conserve H or the energy was not measured.
     pub energy_round_off: Option<EnergyRoundOff<T>>,
-    /// The largest hω of the fastest motion in the steps examined: those of the steps 1, 2, 4, 8, … whose
-    /// iteration needed ∇²H or converged slowly. `None` if there were none; hω was then small in these steps.
+    /// The largest hω of the fastest motion. hω is estimated only in steps 1, 2, 4, 8, …, and only if the
+    /// iteration converged slowly or used ∇²H. `None`: no such step.
     pub phase_per_step: Option<PhasePerStep<T>>,
     /// The errors of the invariants.
     pub invariants: Vec<Conserved<T>>,
@@ -111,7 +111,9 @@ impl<T: Float> Certificate<T> {
                 let (rejected, failed) = (steps.rejected, steps.failed);
                 line(
                     "steps rejected",
-                    format!("{rejected} for their error, {failed} unsolved"),
+                    format!(
+                        "{rejected} for their error, {failed} because the stages or α were not found"
+                    ),
                 );
             }
         }
@@ -245,7 +247,7 @@ impl<T: Float> Certificate<T> {
             ),
         );
         if counts.local_errors > 0 {
-            line("local errors", counts.local_errors.to_string());
+            line("local error estimates", counts.local_errors.to_string());
         }
         if counts.halvings > 0 {
             line("halvings", counts.halvings.to_string());

@@ -43,7 +43,7 @@ impl<T: Float> Conserved<T> {
     }
 }
 
-/// An invariant that is monitored in one float type.
+/// An invariant that is monitored in one floating-point type.
 #[derive(Debug)]
 pub(crate) struct Watched<T: Float> {
     pub(crate) conserved: Conserved<T>,

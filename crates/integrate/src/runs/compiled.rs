@@ -75,8 +75,8 @@ impl<T: Float> Integrator<T> {
     /// had not been interrupted.
     ///
     /// # Errors
-    /// The checkpoint was made in another float type, with another method, other options or another H, or is
-    /// damaged; also the errors of [`start`](Self::start).
+    /// The checkpoint was made in another floating-point type, with another method, other options or another
+    /// H, or is damaged; also the errors of [`start`](Self::start).
     pub fn resume(
         &self,
         system: &Hamiltonian,

@@ -43,7 +43,7 @@ pub enum Target<T> {
     Phase(T),
     /// The largest error of a position or momentum within the interval, in their units.
     Trajectory(T),
-    /// The largest |H − H(0)| within the interval for the *Gauss* method with the same number of stages: the
+    /// The largest |H − H_ref| within the interval for the *Gauss* method with the same number of stages: the
     /// energy error that the α_k of EQUIP must remove.
     Energy(T),
 }

@@ -53,7 +53,7 @@ macro_rules! functions {
     )*};
 }
 
-/// The part of a float type that the user implements: numbers with arithmetic, and their limits.
+/// The part of a floating-point type that the user implements: numbers with arithmetic, and their limits.
 ///
 /// Sums and products of `Number` have a relative error of about [`EPSILON`](Self::EPSILON) or less. So have
 /// quotients, unless [`over`](Self::over) replaces them.

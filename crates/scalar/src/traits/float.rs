@@ -99,7 +99,7 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
 const LARGEST: i32 = 15;
 
 impl Constant {
-    /// The odd n for which it is n/2 in the float type `T`, with |n| ≤ 15.
+    /// The odd n for which it is n/2 in the floating-point type `T`, with |n| ≤ 15.
     #[inline(always)]
     pub(crate) fn halves<T: Float>(self) -> Option<i32> {
         let double = self.to_double();
@@ -108,7 +108,7 @@ impl Constant {
         (is_half && (T::IS_DOUBLE || self.to::<T>() == T::exact(double))).then_some(n)
     }
 
-    /// The odd n with |n| ≤ 15 for which the constant is n/2 in every float type.
+    /// The odd n with |n| ≤ 15 for which the constant is n/2 in every floating-point type.
     #[doc(hidden)]
     pub fn exact_halves(self) -> Option<i32> {
         let n = self.halves::<f64>()?;
@@ -125,7 +125,7 @@ impl Constant {
 }
 
 impl Constant {
-    /// The constant in the float type `T`.
+    /// The constant in the floating-point type `T`.
     #[inline(always)]
     pub fn to<T: Float>(self) -> T {
         if T::IS_DOUBLE {

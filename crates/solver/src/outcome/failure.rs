@@ -34,8 +34,10 @@ pub enum Failure<T> {
     /// No admissible α satisfies the constraints.
     #[error("no admissible α was found; use a smaller step or more stages")]
     NoAlpha,
-    /// The solution of the stage equations does not follow the motion.
-    #[error("the solution of the stage equations does not follow the motion; use a smaller step")]
+    /// The iteration converged to a spurious solution of the stage equations.
+    #[error(
+        "the iteration converged to a spurious solution of the stage equations; use a smaller step"
+    )]
     Astray {
         /// The change of H over the step.
         change: T,

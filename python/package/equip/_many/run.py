@@ -57,7 +57,8 @@ def ensemble(
     checkpoint: Optional[Path] = None,
     progress: bool = False,
 ) -> Ensemble:
-    """Integrates from N initial conditions over the same interval. All numbers are in the units of H.
+    """Integrates from N initial conditions over the same interval. Times, positions and momenta are in
+    the units in which H is written.
 
     Every row has the bits of a single run, for any number of threads, processes and machines. Other Python
     threads continue to run. Ctrl-C ends all runs of this process within a tenth of a second or one step.
