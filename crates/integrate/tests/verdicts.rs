@@ -3,8 +3,8 @@
 //! the user's.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::Hamiltonian;
-use equip_integrate::{Certificate, Equip, Gauss, IntegrateError};
+use equip_autodiff::{Hamiltonian, Var};
+use equip_integrate::{Certificate, Equip, Gauss, IntegrateError, Invariant};
 
 /// A fall into a black hole with a = 0.9, in coordinates that end at its horizon, r = 1.436, at proper time
 /// 20.327.
@@ -264,4 +264,29 @@ fn singularities_and_bounds_are_named_where_they_are() {
         !text.contains("singularity") && !text.contains("kink"),
         "{text}"
     );
+}
+
+/// Every method of the family conserves |m|² of a rigid body, and no α changes it: to preserve it changes no
+/// step.
+#[test]
+fn a_quadratic_casimir_takes_no_parameter() {
+    let body = Hamiltonian::of_state(3, |m| {
+        let kinetic = 0.5 * m[0].powi(2) + 0.25 * m[1].powi(2) + m[2].powi(2) / 6.0;
+        kinetic + 0.1 * m[0].powi(4)
+    });
+    let cross = |m: &[Var]| vec![(0, 1, -m[2]), (0, 2, m[1]), (1, 2, -m[0])];
+    let body = body.and_then(|body| body.with_bracket(cross)).unwrap();
+    let casimir = || {
+        let squares = Hamiltonian::of_state(3, |m| m[0].powi(2) + m[1].powi(2) + m[2].powi(2));
+        Invariant::new("|m|²", squares.unwrap())
+    };
+    let (q, p) = body.halves(&[0.3, 0.2, 1.0]);
+    let [watched, preserved] = [
+        Equip::stages(3).step(0.1).invariant(casimir()),
+        Equip::stages(3).step(0.1).preserve(casimir()),
+    ]
+    .map(|by| by.integrate(&body, &q, &p, 0.0..=50.0).unwrap());
+    assert_eq!(watched.last(), preserved.last());
+    assert_eq!(preserved.certificate().counts.uncorrected(), 0);
+    assert!(preserved.certificate().invariants[0].max < 1e-14);
 }

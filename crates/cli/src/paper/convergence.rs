@@ -104,6 +104,8 @@ pub(super) fn measure(instance: &Instance) -> Result<Vec<Convergence>, Fault> {
 pub(super) struct Figures {
     /// Largest error of a component of (q, p) at the end, a whole number of periods after the start.
     pub(super) error: f64,
+    /// The same over the last period.
+    pub(super) last_period: f64,
     /// Largest |ΔH| and |ΔL|.
     pub(super) energy: f64,
     pub(super) momentum: f64,
@@ -141,6 +143,12 @@ pub(super) fn run<T: Float>(
         let period = (view.index - 1) as usize / steps as usize;
         figures.energies.resize(period + 1, 0.0);
         figures.energies[period] = figures.energies[period].max(energy_error);
+        if period + 1 == periods as usize
+            && let Some((q, p)) = instance.exact(view.time)
+        {
+            let error = largest_difference(view.q, &q).max(largest_difference(view.p, &p));
+            figures.last_period = figures.last_period.max(error.to_f64());
+        }
         ControlFlow::Continue(())
     };
     let options = method

@@ -21,16 +21,16 @@ pub(super) struct Orbit {
 }
 
 impl Orbit {
-    /// Errors at the end, of the energy and of the angular momentum, as the tables have them.
+    /// Errors over the last period, of the energy and of the angular momentum, as the tables have them.
     pub(super) fn cells(&self) -> [Cell; 3] {
         let Figures {
-            error,
+            last_period,
             energy,
             momentum,
             ..
         } = &self.figures;
         [
-            cell("error at the end", format!("{error:.2e}")),
+            cell("error, last period", format!("{last_period:.2e}")),
             cell("max |ΔH|", format!("{energy:.1e}")),
             cell("max |ΔL|", format!("{momentum:.1e}")),
         ]

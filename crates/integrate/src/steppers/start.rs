@@ -43,7 +43,7 @@ impl<T: Float> Integration<T> {
         for kept in &options.kept {
             let alone = Invariant::new(kept.name(), kept.function().alone());
             // Every method of the family conserves quadratic invariants, and no α changes them.
-            if !(alone.is_quadratic() && system.is_canonical()) {
+            if !alone.is_quadratic() {
                 constraints.push(Constraint::invariant(&alone, 2 * all));
             }
         }
@@ -220,9 +220,9 @@ fn check_functions<T: Float>(
         let found = kept.function().degrees_of_freedom();
         if found != all {
             let what = if found + 1 == all {
-                "an invariant to be kept (recorded without time, where H is one `with_time`)"
+                "an invariant to preserve (recorded without time, where H is one `with_time`)"
             } else {
-                "an invariant to be kept"
+                "an invariant to preserve"
             };
             return wrong(what, all, found);
         }
