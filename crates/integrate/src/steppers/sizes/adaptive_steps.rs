@@ -66,14 +66,9 @@ impl<T: Float> AdaptiveSteps<T> {
         }
         let mut size = self.control.next;
         // Near t = 0 time resolves steps of any size. No motion changes its scale by 1/ε² within a step. The
-        // first size may be any number: a force that is 1e-100 of the momentum turns it in 1e100.
-        let is_first = self.tries.is_some();
-        let smallest = T::exact(size) * T::EPSILON * T::EPSILON;
-        let least = if is_first {
-            self.min_step
-        } else {
-            self.min_step.max(smallest)
-        };
+        // first size may be any number, since a tiny force turns the motion late: the interval limits it.
+        let largest = self.place(run, size, end).size.min(T::exact(size));
+        let least = self.min_step.max(largest * T::EPSILON * T::EPSILON);
         // `proposed` is the size without regard to switches, `longest` the largest next size after knots or
         // an uncorrected attempt.
         let (mut proposed, mut longest) = (size, f64::INFINITY);
