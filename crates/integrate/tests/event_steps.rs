@@ -171,3 +171,33 @@ fn a_run_that_begins_on_a_root_does_not_report_it() {
         assert!((run.last().1[0] - expected).abs() < 1e-11 * (1.0 + height));
     }
 }
+
+/// Outputs within the step of a bounce, before and after it, are those of the motion that bounces.
+#[test]
+fn outputs_about_a_bounce() {
+    let ball = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + 9.8 * q[0]).unwrap();
+    let floor = Event::new("floor", |_, q: &[f64], _: &[f64]| q[0])
+        .falling()
+        .then(|_, _, p| {
+            p[0] = -p[0];
+            ControlFlow::Continue(())
+        });
+    let times: Vec<f64> = (0..173).map(|i| f64::from(i) * 40.0 / 172.0).collect();
+    let first = (100.0 / 9.8_f64).sqrt();
+    for options in [
+        Equip::stages(8).tolerance(1e-10),
+        Equip::stages(8).step(0.4),
+    ] {
+        let run = options
+            .event(floor.clone())
+            .output_at(&times)
+            .integrate(&ball, &[50.0], &[0.0], 0.0..=40.0)
+            .unwrap();
+        assert_eq!(run.outputs().count(), times.len());
+        for (t, q, _) in run.outputs() {
+            let since = (t + first) % (2.0 * first) - first;
+            let error = q[0] - (50.0 - 4.9 * since * since);
+            assert!(error.abs() < 1e-10, "{error:e} at {t}");
+        }
+    }
+}

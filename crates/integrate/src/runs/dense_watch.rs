@@ -91,9 +91,10 @@ impl<T: Float> DenseWatch<T> {
                 None => piece,
             };
             let (time, step_of) = (step.time, (step.h, step.outcome));
-            self.y = step.y;
-            events.move_met(&mut run.occurrences, time, self.y.split_at(stepper.m));
+            events.move_met(&mut run.occurrences, time, step.y.split_at(stepper.m));
+            // Outputs use `y` as workspace.
             self.output(piece, (time, stepper.direction), run);
+            self.y = step.y;
             let y = &self.y;
             let at = |events| EventsAt {
                 events,
