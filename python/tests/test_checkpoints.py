@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -135,12 +136,21 @@ def wait_for(condition):
         time.sleep(0.01)
 
 
+def is_locked(path):
+    """Whether a process holds a lock on the file. It makes the file first and locks it then."""
+    locks = Path("/proc/locks")
+    if not locks.exists():
+        time.sleep(0.2)
+        return path.exists()
+    return path.exists() and f":{path.stat().st_ino} " in locks.read_text()
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_sigterm_writes_the_checkpoint_and_ends_the_process(kepler, tmp_path):
     path = tmp_path / "run.checkpoint"
     with long_run(path, 1e6) as process:
         # The lock is taken before the first step.
-        wait_for((tmp_path / "run.checkpoint.lock").exists)
+        wait_for(lambda: is_locked(tmp_path / "run.checkpoint.lock"))
         time.sleep(0.3)
         process.send_signal(signal.SIGTERM)
         assert process.wait(timeout=30) == -signal.SIGTERM, process.stderr.read()
@@ -181,7 +191,7 @@ def test_checkpoints_are_written_as_often_as_wanted(kepler, tmp_path):
 def test_two_processes_cannot_have_one_checkpoint(kepler, tmp_path):
     path = tmp_path / "run.checkpoint"
     with long_run(path, 60):
-        wait_for((tmp_path / "run.checkpoint.lock").exists)
+        wait_for(lambda: is_locked(tmp_path / "run.checkpoint.lock"))
         text = "another process is writing .*run.checkpoint: give each process its own checkpoint"
         with pytest.raises(equip.FileInUseError, match=text):
             equip.solve(kepler, *START, (0, 1), step=0.125, checkpoint=path)
