@@ -11,10 +11,8 @@ use std::ops::ControlFlow;
 
 /// Units of rounding of the time within which two roots are at the same time (docs/adr/0033).
 pub(crate) const CLOSEST: i64 = 256;
-/// A state and a time that differ by so many units of rounding are equal.
-const ROUNDINGS: i64 = 8;
-/// The derivative of g is the difference quotient over this part of the step.
-const APART: i64 = 1024;
+/// States at the same root differ by at most so many units of rounding (docs/adr/0036).
+pub(crate) const ROUNDINGS: i64 = 4;
 
 #[derive(Debug)]
 pub(crate) struct EventWatch<T: Float> {
@@ -67,7 +65,8 @@ impl<T: Float> EventWatch<T> {
     pub(crate) fn compare_with(&mut self, piece: &Piece<T>, place: T) {
         let m = self.y.len() / 2;
         let y = &mut self.y;
-        let apart = T::ratio(1, APART);
+        // Difference quotients over this part of the step have the least error.
+        let apart = T::EPSILON.sqrt().sqrt();
         let (moved, took) = &mut self.moved;
         *took = (place * piece.h).abs();
         piece.state_at(T::int(0), moved);
@@ -195,22 +194,23 @@ impl<T: Float> EventWatch<T> {
                 time: piece.time,
                 step: piece.h,
             })?;
-            // A state that begins on a root is on either side of it by rounding.
+            // A state that begins on a root is on either side of it by rounding. After a bounce g moves away
+            // from the root first; a root that g only approaches is the one on which the state begins.
             if piece.time == self.start {
                 let (at_start, noise) = noise_at_start(piece, function, &self.moved, y);
-                let is_noise = |value: T| value.abs() <= noise;
+                let mut begins_on = |root: T, rises: bool| {
+                    piece.state_at(root / T::int(2), y);
+                    let middle = piece.time_at(root / T::int(2));
+                    let middle = function.value(middle, &y[..m], &y[m..]);
+                    let approaches = middle == at_start || (middle > at_start) == rises;
+                    at_start.abs().max(middle.abs()) <= noise || (root <= closest && approaches)
+                };
                 let found = &mut self.roots.found;
-                if is_noise(at_start) {
-                    let mut g = |place: T| {
-                        piece.state_at(place, y);
-                        function.value(piece.time_at(place), &y[..m], &y[m..])
-                    };
-                    let begun = found
-                        .iter()
-                        .take_while(|(root, _)| is_noise(g(*root / T::int(2))));
-                    let begun = begun.count();
-                    found.drain(..begun);
-                }
+                let begun = found
+                    .iter()
+                    .take_while(|&&(root, rises)| begins_on(root, rises));
+                let begun = begun.count();
+                found.drain(..begun);
             }
             let wanted = self.roots.found.iter().filter(|(place, rising)| {
                 // A run that starts on a root has not crossed it.
@@ -257,8 +257,9 @@ impl<T: Float> EventWatch<T> {
     }
 }
 
-/// g at the start of `piece`, and its change if state and time change by [`ROUNDINGS`] units of rounding of
-/// themselves and of the step that `moved` them there, for two choices of signs. `y` is workspace.
+/// g at the start of `piece`, and its change if state and time change by twice [`ROUNDINGS`] units of
+/// rounding of themselves and of the step that `moved` them there, for two choices of signs. `y` is
+/// workspace.
 fn noise_at_start<T: Float>(
     piece: &Piece<T>,
     function: &mut EventFunction<T>,
@@ -266,7 +267,7 @@ fn noise_at_start<T: Float>(
     y: &mut [T],
 ) -> (T, T) {
     let m = y.len() / 2;
-    let rounded = |x: T, size: T, sign: i64| x + T::int(sign * ROUNDINGS) * T::EPSILON * size;
+    let rounded = |x: T, size: T, sign: i64| x + T::int(2 * sign * ROUNDINGS) * T::EPSILON * size;
     let mut at = |signs: [i64; 2]| {
         piece.state_at(T::int(0), y);
         for (i, (y, &moved)) in y.iter_mut().zip(moved).enumerate() {

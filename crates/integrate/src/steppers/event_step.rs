@@ -7,18 +7,14 @@
 //!
 //! Cost: two steps for most events, each with the last one as initial guess.
 
+use crate::control::policy::MOST_TRIES;
 use crate::dense::piece::Piece;
-use crate::events::watch::EventWatch;
+use crate::events::watch::{EventWatch, ROUNDINGS};
 use crate::report::measured::LastStep;
 use crate::steppers::integration::Integration;
 use crate::time::visible::visible;
 use equip_scalar::Float;
 use equip_solver::{Outcome, Part, State};
-
-/// A correction of the size that changes the state by so many units of rounding is rounding.
-const ROUNDINGS: i64 = 4;
-/// The number of steps that are tried.
-const TRIES: usize = 8;
 
 /// A step from the start of a part of the last step to the events met.
 #[derive(Debug)]
@@ -100,7 +96,7 @@ impl<T: Float> Integration<T> {
         let (from, mut size, mut before) = (&part.start, place, T::int(1));
         self.core.refuse();
         self.core.guess_from(&part.l, part.h);
-        for _ in 0..TRIES {
+        for _ in 0..MOST_TRIES {
             let (time, h) = (piece.time_at(size), size * part.h);
             let mut outcome = self.core.step(from, part.time, h, &mut self.next).ok()?;
             if self.core.defers_alphas() {

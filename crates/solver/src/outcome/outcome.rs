@@ -18,7 +18,8 @@ pub enum Outcome {
     /// An admissible α was found for which the energy error is at the round-off level.
     Solved,
     /// Uncorrected: no α changes the energy. The step was accepted with α = 0, and a later step may remove
-    /// its energy error. This holds for the next three cases as well.
+    /// its energy error. This holds for the next three cases as well. Also a step that an event ends at a
+    /// state on its polynomial, since no step ends there.
     NoEffect,
     /// Uncorrected: the energy would require an α beyond its bound, or an α for which the stages do not
     /// converge.

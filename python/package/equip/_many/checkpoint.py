@@ -107,7 +107,9 @@ def digest_of(task: Task, q: Floats, p: Floats) -> str:
     text = repr(
         (task.times, task.precision, q.shape, sorted((name, _plain(x)) for name, x in task.given.items()))
     )
-    parts = (_energy(task.h, q, p), q.tobytes(), p.tobytes(), text.encode())
+    # In double-double the starts have low words.
+    high = (q[:, 0], p[:, 0]) if task.precision == "dd" else (q, p)
+    parts = (_energy(task.h, *high), q.tobytes(), p.tobytes(), text.encode())
     return hashlib.sha256(b"".join(len(part).to_bytes(8, "little") + part for part in parts)).hexdigest()
 
 

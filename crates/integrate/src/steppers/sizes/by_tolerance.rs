@@ -116,8 +116,8 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
     }
 
     /// The next step is at most [`LONGEST_SINCE`] of the time between the last two changes. Where one step
-    /// integrates the motion exactly, steps would become ever longer, and the state at an event is as
-    /// accurate as rounding of the change over the complete step (docs/adr/0033).
+    /// integrates the motion exactly, steps would become ever longer, and a root has the rounding error of
+    /// the complete step (docs/adr/0033).
     fn at_another_time(
         &mut self,
         run: &mut Integration<T>,
