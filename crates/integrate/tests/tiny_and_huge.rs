@@ -1,7 +1,7 @@
 //! Forces and states at the ends of the floating-point range, and tangent vectors of driven systems.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::Hamiltonian;
+use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::{Equip, Gauss, IntegrateError, TangentMap};
 use std::f64::consts::PI;
 
@@ -46,6 +46,40 @@ fn a_barrier_may_be_far_away() {
             .unwrap();
         let (_, _, p) = run.last();
         assert!((p[0] + 1.0).abs() < 1e-10, "{:e}", p[0] + 1.0);
+    }
+}
+
+/// J_n(x) = ∫₀^π cos(nθ − x sin θ) dθ/π; the sum converges like J_{2·256 − n}(x).
+fn bessel(n: usize, x: f64) -> f64 {
+    let angles = (0..256).map(|k| (f64::from(k) + 0.5) * PI / 256.0);
+    angles
+        .map(|a| (n as f64 * a - x * a.sin()).cos())
+        .sum::<f64>()
+        / 256.0
+}
+
+/// One mass of a chain at rest is displaced: q_k(t) = J_{2k}(2t), which begins as t^{2k} (Schrödinger 1914).
+#[test]
+fn a_wave_may_enter_a_chain_at_rest() {
+    let n = 64;
+    let chain = Hamiltonian::new(n, |q, p| {
+        let kinetic: Var = p.iter().map(|&p| 0.5 * p * p).sum();
+        let springs = (0..n).map(|k| 0.5 * (q[(k + 1) % n] - q[k]).powi(2));
+        kinetic + springs.sum::<Var>()
+    })
+    .unwrap();
+    let mut q = vec![0.0; n];
+    q[n / 2] = 1.0;
+    for (stages, start) in [2, 3, 4, 8, 16].into_iter().zip([0.0, -0.3, 1e3, 0.0, 5.0]) {
+        for tolerance in [1e-4, 1e-7, 1e-10] {
+            let run = Equip::stages(stages)
+                .tolerance(tolerance)
+                .integrate(&chain, &q, &vec![0.0; n], start..=start + 10.0)
+                .unwrap();
+            let error = |k: usize| (run.last().1[k] - bessel(2 * k.abs_diff(n / 2), 20.0)).abs();
+            let error = (0..n).map(error).fold(0.0, f64::max);
+            assert!(error < 30.0 * tolerance, "{stages}: {error:e}");
+        }
     }
 }
 

@@ -30,9 +30,10 @@
 //! The estimate is relative to the change over the step, not to the state. It therefore depends neither on
 //! the origin nor on units and masses, and detects a close encounter of two bodies among many. Changes below
 //! √tolerance of the size of a component are not resolved further, nor are changes below ε of the largest
-//! component in the group (positions or momenta): a component that is constant by symmetry changes by
-//! rounding. A component that changes by less than the tolerance of its size is not estimated: no step need
-//! be shorter for it, for any H.
+//! component, or change, in the group (positions or momenta): a component that is constant by symmetry
+//! changes by rounding, and one that begins like τ^k, k > s, is resolved by no step from rest. A component
+//! that changes by less than the tolerance of its size is not estimated: no step need be shorter for it, for
+//! any H.
 //!
 //! If the admissible error of a component differs from the tolerance of its change (`rtol`, `atol`), its
 //! estimate is divided by the ratio of both, together with the factor of the flow.
@@ -183,7 +184,7 @@ impl<T: Float> Decay<T> {
         let (mut rate, mut rest) = (Rate::new(s), 0.0_f64);
         let is_inset = ends.map(|end| end.is_inset);
         for (group, y) in y.hi.chunks_exact(half).enumerate() {
-            let largest = y[..self.m].iter().fold(T::int(0), |a, y| a.max(y.abs()));
+            let largest = self.largest(group * half, y);
             // f = J∇H.
             let (sign, from) = if group == 0 { (h, half) } else { (-h, 0) };
             for (c, &y) in y[..self.m].iter().enumerate() {
@@ -211,6 +212,19 @@ impl<T: Float> Decay<T> {
         }
     }
 
+    /// The largest of the estimated components of a group, or of their changes. The group begins with
+    /// component `from`, `y` are its components at the start of the step; the changes are stored as units.
+    fn largest(&mut self, from: usize, y: &[T]) -> T {
+        let mut largest = T::int(0);
+        let rows = self.coefficients[from * self.stride..].chunks_exact(self.stride);
+        let units = self.units[from..][..self.m].iter_mut();
+        for ((row, unit), y) in rows.zip(units).zip(y) {
+            *unit = row[..self.s].iter().fold(T::int(0), |a, x| a.max(x.abs()));
+            largest = largest.max(y.abs()).max(*unit);
+        }
+        largest
+    }
+
     /// The sizes of the coefficients of component c in units of its change; these units are stored. `None` if
     /// the sizes are not finite. `y` is the component at the start of the step, `largest` the largest one of
     /// its group, `ends` are h f at the start and at the end, `noise` is the rounding of h f.
@@ -226,7 +240,7 @@ impl<T: Float> Decay<T> {
         if !row.iter().chain(&ends).all(|x| x.is_finite()) {
             return None;
         }
-        let motion = row.iter().fold(T::int(0), |a, x| a.max(x.abs()));
+        let motion = self.units[c];
         let relative = (self.allowed.as_ref()).map_or(self.tolerance, |x| x.relative[c]);
         let least = (relative.sqrt() * y.abs()).max(T::EPSILON * largest);
         let unit = motion.max(least);
