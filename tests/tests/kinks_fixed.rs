@@ -4,7 +4,7 @@
 use crate::kinks::{apart, end, kinked, wedge};
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{Equip, Gauss};
-use equip_tests::Misses;
+use equip_tests::{Misses, Seeded};
 
 /// Steps of one size that are over a switch are made in two: the energy is that of a smooth H, the order is
 /// kept, and the grid is as it was.
@@ -142,6 +142,44 @@ fn values_that_jump_are_told() {
             assert!(certificate.discontinuities_crossed > 2 || !bends);
         }
     }
+}
+
+/// Where only a derivative of H jumps, in q or in p, no jump is told. Jumps by 1e-7 to 0.1 all are.
+#[test]
+fn small_jumps_are_told_from_bends() {
+    let mut rng = Seeded::new(3);
+    let (mut told, mut met) = (0, 0);
+    for run in 0..60 {
+        let jump = [0.0, rng.power_of_ten(-7.0, -1.0)][run % 2];
+        let [steep, place] = [rng.between(0.2, 2.0), rng.between(-0.5, 0.5)];
+        let energy = Hamiltonian::new(1, |q, p| {
+            let (x, free) = (q[0] - place, 0.5 * p[0] * p[0]);
+            0.5 * q[0] * q[0]
+                + match run / 2 % 3 {
+                    0 => free + x.select(steep * x + jump, 0.0 * x),
+                    1 => free + x.select(steep * x * x + jump, 0.0 * x),
+                    _ => p[0].select(p[0] * p[0] + jump, free),
+                }
+        })
+        .unwrap();
+        let stages = 3 + rng.below(6);
+        let options = if rng.once_in(2) {
+            Equip::stages(stages).step(rng.between(0.02, 0.5))
+        } else {
+            Equip::stages(stages).tolerance(rng.power_of_ten(-11.0, -6.0))
+        };
+        let (q, p) = (rng.between(0.6, 1.2), rng.between(-0.3, 0.3));
+        let run = options.integrate(&energy, &[q], &[p], 0.0..=50.0).unwrap();
+        let certificate = run.certificate();
+        let count = certificate.energy_jumps.map_or(0, |jumps| jumps.count);
+        if jump > 0.0 {
+            told += count;
+            met += certificate.discontinuities_crossed;
+        } else {
+            assert_eq!(count, 0, "{certificate}");
+        }
+    }
+    assert!(met > 400 && told == met, "{told} of {met}");
 }
 
 /// All crossings are found, and no others, whatever the number of steps is.

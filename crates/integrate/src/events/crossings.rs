@@ -254,9 +254,9 @@ impl<T: Float> Crossings<T> {
         may_jump.then(|| self.across(core, root)).flatten()
     }
 
-    /// The jump of H at a root, if it exceeds rounding. At a jump the difference of H slightly behind and
-    /// before the root is the same at twice the distance. If only a derivative of H jumps, the difference at
-    /// least doubles.
+    /// The jump of H at a root, if it exceeds rounding: the difference of H slightly behind and before the
+    /// root, extrapolated to distance zero. If only a derivative of H jumps, the limit is zero, and the
+    /// extrapolations of first and second degree differ by more than a quarter.
     fn across(&mut self, core: &mut Core<T>, root: T) -> Option<T> {
         let mut rounding = T::int(0);
         let mut across = |distance: T| {
@@ -270,9 +270,12 @@ impl<T: Float> Crossings<T> {
             });
             beyond - before
         };
-        let [near, far] = [1, 2].map(|times| across(T::ratio(times, BESIDE)));
-        let is_same = T::int(4) * (far - near).abs() <= near.abs();
-        (is_same && near.abs() > rounding).then_some(T::int(2) * near - far)
+        let [first, second, third] = [1, 2, 3].map(|times| across(T::ratio(times, BESIDE)));
+        let jump = T::int(2) * first - second;
+        let is_limit = T::int(4) * (first - T::int(2) * second + third).abs() <= jump.abs();
+        // The root is accurate to `close`.
+        let shift = (second - first).abs() * T::int(BESIDE) * self.close;
+        (is_limit && jump.abs() > rounding + shift).then_some(jump)
     }
 
     /// A step that starts at g = 0 exactly begins on the switch, and continues on the side of the first
