@@ -48,6 +48,19 @@ def test_shapes_of_several_axes():
     assert np.array_equal(h.hessian(q, p, 2.0), np.diag([*12 * q.ravel(), *np.ones(6)]))
 
 
+def test_a_function_of_time_is_called_once():
+    calls = []
+
+    def h(t, q, p):
+        calls.append(t)
+        return p @ p / 2 + (1 + len(calls)) * q @ q / 2 + 0 * t
+
+    h = equip.Hamiltonian.with_time(h, shape=1)
+    assert len(calls) == 1
+    run = equip.solve(h, [1.0], [0.0], (0, 10))
+    assert abs(run.q[-1, 0] - np.cos(10 * np.sqrt(2))) < 1e-10
+
+
 @pytest.mark.parametrize("how", [{"step": 0.1}, {"tolerance": 1e-13}])
 def test_closed_form(pushed, how):
     sol = equip.solve(pushed, [0.0], [0.0], (0, 50), dense_output=True, **how)

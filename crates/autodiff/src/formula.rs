@@ -1,6 +1,7 @@
 //! [`Formula`]: the formula of an energy, traced from a closure.
 
 use crate::hamiltonian::Hamiltonian;
+use crate::recording::op::Op;
 use crate::recording::recorder::Recording;
 use crate::recording::trace::record;
 use crate::routes::traced::Traced;
@@ -32,14 +33,21 @@ impl Formula {
     /// The errors of [`Hamiltonian::with_time`], except for constants that are not finite.
     pub fn with_time(
         m: usize,
-        energy: impl Fn(Var, &[Var], &[Var]) -> Var,
+        energy: impl FnOnce(Var, &[Var], &[Var]) -> Var,
     ) -> Result<Self, BuildError> {
         if m == 0 {
             return Err(BuildError::NoDegreesOfFreedom);
         }
+        let alone = record(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]))?;
+        let mut recorder = alone.resume();
+        let momentum_of_time = 2 * m as u32 + 1;
+        let sum = recorder.apply(Op::Add, alone.root, momentum_of_time);
+        if recorder.overflow {
+            return Err(BuildError::TooManyOperations);
+        }
         Ok(Formula {
-            alone: Some(record(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]))?),
-            route: record(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]) + p[m])?,
+            route: recorder.finish(sum),
+            alone: Some(alone),
         })
     }
 
@@ -105,7 +113,7 @@ impl Hamiltonian {
     /// K is H minus this energy: K is constant.
     ///
     /// # Errors
-    /// See [`new`](Self::new). The closure is called twice.
+    /// See [`new`](Self::new).
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -121,7 +129,7 @@ impl Hamiltonian {
     /// ```
     pub fn with_time(
         m: usize,
-        energy: impl Fn(Var, &[Var], &[Var]) -> Var,
+        energy: impl FnOnce(Var, &[Var], &[Var]) -> Var,
     ) -> Result<Self, BuildError> {
         Formula::with_time(m, energy)?.hamiltonian()
     }

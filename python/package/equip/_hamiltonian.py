@@ -436,7 +436,7 @@ def _record(function: Function, shape: Shape, name: str) -> _native.Recorded:
 
 
 def record_with_time(function: Function, shape: Shape, name: str) -> _native.Recorded:
-    """f(t, q, p), called twice."""
+    """f(t, q, p), called once."""
     _recording.check_arguments(function, name, "t, q, p")
 
     def call(t: _native.Variable, q: list[_native.Variable], p: list[_native.Variable]) -> Any:

@@ -122,14 +122,11 @@ impl Recorded {
         finish(function.py(), fault, made)
     }
 
-    /// Calls `function(t, q, p)` twice, with a variable and lists of m variables, and keeps its formula.
+    /// Calls `function(t, q, p)` once, with a variable and lists of m variables, and keeps its formula.
     #[staticmethod]
     fn with_time(function: &Bound<'_, PyAny>, m: usize) -> PyResult<Self> {
         let fault = RefCell::new(None);
         let made = Formula::with_time(m, |t, q, p| {
-            if fault.borrow().is_some() {
-                return t;
-            }
             call(function, Some(t), q, p).unwrap_or_else(|error| {
                 fault.replace(Some(error));
                 t
