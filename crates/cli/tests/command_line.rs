@@ -66,6 +66,20 @@ fn two_outputs_do_not_go_into_one_file() {
     }
 }
 
+#[test]
+fn pictures_of_other_formats_are_refused() {
+    for command in ["run kepler", "growth", "section henon-heiles"] {
+        for name in ["k.png", "k.PDF"] {
+            let arguments = [
+                &command.split(' ').collect::<Vec<_>>()[..],
+                &["--plot", name],
+            ];
+            let error = refused(&arguments.concat());
+            assert!(error.contains(".svg or .html"), "{error}");
+        }
+    }
+}
+
 /// The files of long commands are made when the first part of the work is done: a path that cannot be written
 /// costs no hour, and bad input costs no file.
 #[test]

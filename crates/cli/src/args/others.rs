@@ -1,6 +1,6 @@
 //! Options of the commands other than `equip run`.
 
-use super::shared::{stages, whole};
+use super::shared::{picture, stages, whole};
 use crate::limits::{LEVELS, TRAJECTORY, UNCORRECTED};
 use clap::Args;
 use std::path::PathBuf;
@@ -59,6 +59,7 @@ pub(crate) struct SectionArgs {
         long,
         value_name = "FILE.svg",
         default_value = "section.svg",
+        value_parser = picture,
         help_heading = "Output"
     )]
     pub(crate) plot: PathBuf,
@@ -107,6 +108,7 @@ pub(crate) struct GrowthArgs {
         long,
         value_name = "FILE.svg",
         default_value = "growth.svg",
+        value_parser = picture,
         help_heading = "Output"
     )]
     pub(crate) plot: PathBuf,

@@ -1,6 +1,6 @@
 //! Options of `equip run`.
 
-use super::shared::{stages, whole};
+use super::shared::{picture, stages, whole};
 use crate::fault::Fault;
 use clap::{Args, ValueEnum};
 use equip_integrate::Method;
@@ -122,7 +122,7 @@ pub(crate) struct RunArgs {
     pub(crate) every: u64,
     /// Draw the orbit or phase portrait and the relative energy error over time. If the name ends in .html,
     /// the picture is a page whose panels stack in a narrow window
-    #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
+    #[arg(long, value_name = "FILE.svg", value_parser = picture, help_heading = "Output")]
     pub(crate) plot: Option<PathBuf>,
     /// Omit the energy error of Gauss (same steps or tolerance) from the plot
     #[arg(long, help_heading = "Output")]
