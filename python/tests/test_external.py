@@ -87,10 +87,46 @@ def test_exceptions_are_handed_on():
             equip.steps(h, Q0, P0, step=0.05).advance_to(3)
         with pytest.raises(Broken):
             equip.ensemble(h, [Q0], [P0], (0, 3), step=0.05)
-        # And nothing of it is left.
+        # The run ends at once, and nothing of it is left.
         assert equip.solve(h, Q0, P0, (0, 0.2), step=0.05).success
     with pytest.raises(Broken):
         equip.Hamiltonian.external(broken, gradient, 2)([-1.0, 0.0], P0)
+
+
+def test_the_first_exception_ends_the_run():
+    calls = 0
+
+    def broken(q, p):
+        nonlocal calls
+        calls += 1
+        if calls == 100:
+            raise Broken
+        return gradient(q, p)
+
+    h = equip.Hamiltonian.external(value, broken, 2)
+    with pytest.raises(Broken):
+        equip.solve(h, Q0, P0, (0, 100))
+    assert calls == 100
+
+
+@pytest.mark.parametrize("precision", [np.float32, np.float64])
+def test_gradients_in_single_precision(precision):
+    def rounded(q, p):
+        return gradient(q, p)[0].astype(precision), p
+
+    declared = equip.Hamiltonian.external(value, rounded, 2, accuracy=2.0**-23)
+    assert equip.solve(declared, Q0, P0, (0, 3)).success
+    exact = equip.Hamiltonian.external(value, rounded, 2)
+    if precision is np.float32:
+        with pytest.raises(ValueError, match="single precision"):
+            equip.solve(exact, Q0, P0, (0, 3))
+    else:
+        assert equip.solve(exact, Q0, P0, (0, 3)).success
+    # At states in single precision a gradient in doubles may be in single precision too.
+    spring = equip.Hamiltonian.external(lambda q, p: (q @ q + p @ p) / 2, lambda q, p: (q, p), 2)
+    for state in np.random.default_rng(1).random((20, 4)).astype(np.float32):
+        spring.gradient(state[:2], state[2:])
+    assert equip.solve(spring, state[:2], state[2:], (0, 3)).success
 
 
 def test_what_is_refused():

@@ -11,17 +11,23 @@ import numpy as np
 from . import _native, _recording
 from ._numbers import Floats, Shape
 
+SINGLE = 2.0**-23
+"""The rounding unit of single precision."""
+
 
 def external(value: Any, gradient: Any, axes: Shape, accuracy: float) -> _native.Recorded:
     """H and its gradient as functions of (q, p)."""
     _check(value, gradient, "q, p")
     number = _number(value, axes, "value(q, p)")
+    digits = _Digits(accuracy)
 
     def derivative(q: Floats, p: Floats) -> Floats:
         found = gradient(q.reshape(axes), p.reshape(axes))
         if not isinstance(found, (tuple, list)) or len(found) != 2:
             raise TypeError("gradient(q, p) must return two arrays, those of ∂H/∂q and of ∂H/∂p")
-        return np.concatenate([_flat(part, axes, "gradient(q, p)") for part in found])
+        parts = [_flat(part, axes, "gradient(q, p)") for part in found]
+        digits.check([q, p], parts)
+        return np.concatenate(parts)
 
     return _native.Recorded.external(math.prod(axes), accuracy, number, derivative)
 
@@ -32,11 +38,43 @@ def potential(
     """U and its gradient as functions of q."""
     _check(value, gradient, "q")
     number = _number(value, axes, "value(q)")
+    digits = _Digits(accuracy)
 
     def derivative(q: Floats) -> Floats:
-        return _flat(gradient(q.reshape(axes)), axes, "gradient(q)")
+        found = _flat(gradient(q.reshape(axes)), axes, "gradient(q)")
+        digits.check([q], [found])
+        return found
 
     return _native.Recorded.external_potential(np.array(masses), accuracy, number, derivative)
+
+
+class _Digits:
+    """Refuses gradients in single precision that are declared to be more accurate."""
+
+    def __init__(self, accuracy: float) -> None:
+        self._left = 8 if accuracy < SINGLE else 0
+        self._found = 0
+
+    def check(self, state: list[Floats], gradient: list[Floats]) -> None:
+        """Looks at the first calls for states that are not in single precision themselves."""
+        if self._left and all((_rounded(part) != part).any() for part in state):
+            self._left -= 1
+            self._found += any(map(_is_single, gradient))
+        if self._found >= 4:
+            raise ValueError(
+                "the gradient is in single precision: declare accuracy=2**-23, or compute it in doubles"
+            )
+
+
+def _is_single(part: Floats) -> bool:
+    """Whether all numbers but those of a few bits are in single precision."""
+    long = part[(part * 4096) % 1 != 0]
+    return bool(long.size and (_rounded(long) == long).all())
+
+
+def _rounded(part: Floats) -> Any:
+    with np.errstate(over="ignore"):
+        return part.astype(np.float32)
 
 
 def masses_of(masses: Any, axes: Shape) -> Floats:

@@ -118,8 +118,8 @@ class Hamiltonian:
         Raises
         ------
         ValueError
-            If `accuracy` is out of range. Runs raise it if the gradient disagrees with the values, and raise
-            the exceptions of the functions.
+            If `accuracy` is out of range. Runs raise it if the gradient disagrees with the values, or is in
+            single precision and `accuracy` is not, and raise the exceptions of the functions.
 
         Examples
         --------

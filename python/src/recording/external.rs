@@ -12,6 +12,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(crate) struct Raised(Arc<Mutex<Option<PyErr>>>);
 
 impl Raised {
+    fn is_some(&self) -> bool {
+        let first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        first.is_some()
+    }
+
     fn keep(&self, error: PyErr) {
         let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         first.get_or_insert(error);
@@ -28,7 +33,8 @@ impl Raised {
 }
 
 /// The energy of `value(q, p)`, a number, and `gradient(q, p)`, an array of ∂H/∂q and ∂H/∂p, 2m numbers.
-/// Where one of them raises an exception its numbers are NaN, and the exception is kept in `raised`.
+/// Where one of them raises an exception, its numbers and all later ones are NaN, which ends the run, and the
+/// exception is kept in `raised`.
 pub(crate) fn external(
     m: usize,
     accuracy: f64,
@@ -67,7 +73,7 @@ pub(crate) fn external_potential(
 
 /// The number that `value` returns for these arrays.
 fn number(value: &Py<PyAny>, arrays: &[&[f64]], raised: &Raised) -> f64 {
-    let found = Python::try_attach(|py| called(py, value, arrays)?.extract::<f64>());
+    let found = || Python::try_attach(|py| called(py, value, arrays)?.extract::<f64>());
     numbers(found, raised).unwrap_or(f64::NAN)
 }
 
@@ -78,17 +84,19 @@ fn array_into<const N: usize>(
     mut parts: [&mut [f64]; N],
     raised: &Raised,
 ) {
-    let found = Python::try_attach(|py| {
-        let found = called(py, gradient, arrays)?;
-        let found = found.extract::<PyReadonlyArray1<'_, f64>>()?;
-        let mut rest = found.as_slice()?;
-        for part in &mut parts {
-            let (own, others) = rest.split_at(part.len());
-            part.copy_from_slice(own);
-            rest = others;
-        }
-        Ok(())
-    });
+    let found = || {
+        Python::try_attach(|py| {
+            let found = called(py, gradient, arrays)?;
+            let found = found.extract::<PyReadonlyArray1<'_, f64>>()?;
+            let mut rest = found.as_slice()?;
+            for part in &mut parts {
+                let (own, others) = rest.split_at(part.len());
+                part.copy_from_slice(own);
+                rest = others;
+            }
+            Ok(())
+        })
+    };
     if numbers(found, raised).is_none() {
         parts.iter_mut().for_each(|part| part.fill(f64::NAN));
     }
@@ -103,9 +111,12 @@ fn called<'py>(
     function.bind(py).call1(PyTuple::new(py, arrays)?)
 }
 
-/// What was found; nothing where an exception was raised, or where Python has ended.
-fn numbers<R>(found: Option<PyResult<R>>, raised: &Raised) -> Option<R> {
-    match found? {
+/// What is found; nothing where an exception is or was raised, or where Python has ended.
+fn numbers<R>(find: impl FnOnce() -> Option<PyResult<R>>, raised: &Raised) -> Option<R> {
+    if raised.is_some() {
+        return None;
+    }
+    match find()? {
         Ok(found) => Some(found),
         Err(error) => {
             raised.keep(error);
