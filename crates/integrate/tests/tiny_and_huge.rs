@@ -83,6 +83,32 @@ fn a_wave_may_enter_a_chain_at_rest() {
     }
 }
 
+/// q″ = −q + t^k from q = q′ = 0: q begins as t^{k+2}, and no component has a scale.
+#[test]
+fn a_drive_may_set_in_like_a_power_of_time() {
+    let exact = [
+        |t: f64| t - t.sin(),
+        |t: f64| t * t - 2.0 + 2.0 * t.cos(),
+        |t: f64| t.powi(3) - 6.0 * t + 6.0 * t.sin(),
+    ];
+    for (k, exact) in exact.into_iter().enumerate() {
+        for (start, stages) in [(0.0, 2), (0.0, 3), (-4.0, 4), (0.0, 8)] {
+            let driven = Hamiltonian::with_time(1, |t, q, p| {
+                0.5 * (q[0] * q[0] + p[0] * p[0]) - q[0] * (t - start).powi(k as i32 + 1)
+            })
+            .unwrap();
+            for tolerance in [1e-4, 1e-7, 1e-10] {
+                let run = Equip::stages(stages)
+                    .tolerance(tolerance)
+                    .integrate(&driven, &[0.0], &[0.0], start..=start + 5.0)
+                    .unwrap();
+                let error = run.last().1[0] - exact(5.0);
+                assert!(error.abs() < 300.0 * tolerance, "{k} {stages}: {error:e}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_state_that_overflows_ends_the_run() {
     let free = Hamiltonian::new(1, |_, p| 0.5 * p[0] * p[0]).unwrap();

@@ -31,9 +31,10 @@
 //! the origin nor on units and masses, and detects a close encounter of two bodies among many. Changes below
 //! √tolerance of the size of a component are not resolved further, nor are changes below ε of the largest
 //! component, or change, in the group (positions or momenta): a component that is constant by symmetry
-//! changes by rounding, and one that begins like τ^k, k > s, is resolved by no step from rest. A component
-//! that changes by less than the tolerance of its size is not estimated: no step need be shorter for it, for
-//! any H.
+//! changes by rounding. A component that changes by less than the tolerance of its size is not estimated: no
+//! step need be shorter for it, for any H. If H is smooth, neither is a component that is zero at the start of
+//! a step up to ε^{1/4} of the proposed size. It may begin like τ^k, k > s, which no step resolves, and then
+//! its change is below ε^{s/4} of that in a step of the proposed size.
 //!
 //! If the admissible error of a component differs from the tolerance of its change (`rtol`, `atol`), its
 //! estimate is divided by the ratio of both, together with the factor of the flow.
@@ -105,6 +106,8 @@ pub(crate) struct Decay<T: Float> {
     legendre: Vec<T>,
     /// h γ_k of component c at c·stride + k.
     coefficients: Vec<T>,
+    /// In steps up to this size, components that are zero at the start are not estimated.
+    pub(crate) from_zero: T,
     /// The units of the components.
     units: Vec<T>,
     /// The inverse units, zero for components that do not move.
@@ -118,8 +121,7 @@ pub(crate) struct Decay<T: Float> {
 const INSET: i64 = 16;
 
 impl<T: Float> Decay<T> {
-    /// For states with n components, of which the first `m` positions and momenta are estimated. Time, if it
-    /// is a component, does not limit the step.
+    /// For states with n components, of which the first `m` positions and momenta are estimated, not time.
     pub(crate) fn new(
         method: &Coefficients<T>,
         (n, m): (usize, usize),
@@ -150,6 +152,7 @@ impl<T: Float> Decay<T> {
             allowed,
             legendre,
             coefficients: zeros(n * stride),
+            from_zero: T::int(0),
             units: zeros(n),
             inverse_units: zeros(n),
             at_end,
@@ -192,7 +195,8 @@ impl<T: Float> Decay<T> {
                 let noise =
                     rounding.map_or(T::int(0), |x| T::int(ROUNDING) * h.abs() * x[from + c]);
                 let c = group * half + c;
-                let sizes = self.sizes(c, (y, largest), (rates, is_inset), noise);
+                let begins = y == T::int(0) && h.abs() <= self.from_zero;
+                let sizes = self.sizes(c, (y, largest, begins), (rates, is_inset), noise);
                 rest = rest.max(sizes.map_or(f64::INFINITY, |sizes| sizes.tail));
                 if self.allowed.is_none() {
                     rate.raise(sizes.as_ref());
@@ -227,11 +231,12 @@ impl<T: Float> Decay<T> {
 
     /// The sizes of the coefficients of component c in units of its change; these units are stored. `None` if
     /// the sizes are not finite. `y` is the component at the start of the step, `largest` the largest one of
-    /// its group, `ends` are h f at the start and at the end, `noise` is the rounding of h f.
+    /// its group, and it is not estimated if it `begins`; `ends` are h f at the start and at the end, `noise`
+    /// is the rounding of h f.
     fn sizes(
         &mut self,
         c: usize,
-        (y, largest): (T, T),
+        (y, largest, begins): (T, T, bool),
         (ends, is_inset): ([T; 2], [bool; 2]),
         noise: T,
     ) -> Option<Sizes> {
@@ -244,7 +249,7 @@ impl<T: Float> Decay<T> {
         let relative = (self.allowed.as_ref()).map_or(self.tolerance, |x| x.relative[c]);
         let least = (relative.sqrt() * y.abs()).max(T::EPSILON * largest);
         let unit = motion.max(least);
-        let is_small = motion <= relative * y.abs();
+        let is_small = begins || motion <= relative * y.abs();
         let inverse = if is_small || unit < T::MIN_POSITIVE {
             T::int(0)
         } else {

@@ -69,6 +69,9 @@ impl<T: Float> AdaptiveSteps<T> {
         // first size may be any number, since a tiny force turns the motion late: the interval limits it.
         let largest = self.place(run, size, end).size.min(T::exact(size));
         let least = self.min_step.max(largest * T::EPSILON * T::EPSILON);
+        if self.crossings.is_none() {
+            self.decay.from_zero = largest * T::EPSILON.sqrt().sqrt();
+        }
         // `proposed` is the size without regard to switches, `longest` the largest next size after knots or
         // an uncorrected attempt.
         let (mut proposed, mut longest) = (size, f64::INFINITY);
