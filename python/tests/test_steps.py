@@ -45,6 +45,8 @@ def test_kicks(kepler):
     assert kicked.t == pytest.approx(1.2) and abs(kicked.energy_error) < 1e-15
     assert kepler(kicked.q, kicked.p) == pytest.approx(kepler(step.q, 1.01 * step.p), abs=1e-15)
     assert kepler(kicked.q, kicked.p) > kepler(*START) + 0.01
+    certificate = steps.certificate
+    assert certificate.counts.state_changes == 1 and "energy after change" in str(certificate)
 
 
 def test_tangent_vectors_follow_the_tangent_map(kepler):

@@ -88,8 +88,8 @@ pub enum IntegrateError<T: Float> {
         /// The interval divided by the step.
         steps: f64,
     },
-    /// The interval is not finite.
-    #[error("the interval {start} to {end} must be finite; give two finite times, in either order",
+    /// The interval or its length is not finite.
+    #[error("the interval {start} to {end} and its length must be finite; give two finite times, in either order",
         start = plain(*start), end = plain(*end))]
     Interval {
         /// Start of the interval.
@@ -141,7 +141,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// A user-supplied gradient is not the gradient of H.
     #[error(
-        "at t = {time} the given gradient has ∂H/∂{what}[{index}] = {given:e}, but H has {expected:e}; correct the gradient, or give the `accuracy` of an external energy of lower precision; a closure needs no gradient, and `check_gradient(false)` disables the test",
+        "at t = {time} the given gradient has ∂H/∂{what}[{index}] = {given:e}, but H has {expected:e}; correct the gradient, or give the `accuracy` of an external energy of lower precision; an H given by a closure needs no gradient",
         time = plain(*time))]
     WrongGradient {
         /// The time of the state.

@@ -3,7 +3,7 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    Checkpoint, Equip, Gauss, IntegrateError, Integrator, Invariant, NoObserver, Observer,
+    Checkpoint, Equip, Event, Gauss, IntegrateError, Integrator, Invariant, NoObserver, Observer,
     Preconditioner, Run, StepView,
 };
 use equip_scalar::{DoubleDouble, Float};
@@ -344,4 +344,33 @@ fn a_run_resumes_where_h_is_not_at_its_start_time() {
     assert!(run.view().q[0] > 1.5);
     let mut again = options.resume(&h, &run.checkpoint()).unwrap();
     assert_eq!(run.advance().unwrap().q, again.advance().unwrap().q);
+}
+
+/// Variable steps are limited after a change of the state by the time since the change before.
+#[test]
+fn a_run_resumes_between_changes_of_its_state() {
+    let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+    let moves = Event::new("middle", |_, q: &[f64], _: &[f64]| q[0] - 0.1);
+    let moves = moves.rising().then(|_, q, _| {
+        q[0] += 0.05;
+        ControlFlow::Continue(())
+    });
+    let options = Equip::stages(8).tolerance(1e-8).event(moves);
+    let (start, end) = (([1.2], [0.3]), 25.0);
+    let whole = options
+        .integrate(&pendulum, &start.0, &start.1, 0.0..=end)
+        .unwrap();
+    assert!(whole.certificate().state_changes > 2);
+    for at in 1..whole.len() as u64 - 4 {
+        let mut keep = Keep {
+            at,
+            ..Keep::default()
+        };
+        options
+            .integrate_observed(&pendulum, &start.0, &start.1, 0.0..=end, &mut keep)
+            .unwrap();
+        let checkpoint = keep.checkpoint.unwrap();
+        let rest = options.integrate_from(&pendulum, &checkpoint, end, &mut NoObserver);
+        assert_same(&whole, &rest.unwrap(), at as usize);
+    }
 }

@@ -201,3 +201,45 @@ fn outputs_about_a_bounce() {
         }
     }
 }
+
+/// Kicks p += 1/2 at times that are ends of steps, up to the rounding of decimals: each acts once, whether g
+/// rises or falls. Between them q = A cos(t − φ).
+#[test]
+fn kicks_at_the_ends_of_fixed_steps() {
+    let oscillator = Hamiltonian::new(1, |q, p| 0.5 * (q[0] * q[0] + p[0] * p[0])).unwrap();
+    for (decimals, unit) in [(1, 0.1), (1, 0.2), (2, 0.05), (2, 0.01)] {
+        for k in 1..60 {
+            let time: f64 = format!("{:.decimals$}", f64::from(k) * unit)
+                .parse()
+                .unwrap();
+            for sign in [1.0, -1.0] {
+                let kick = Event::new("kick", move |t, _, _| sign * (t - time));
+                let kick = kick.then(|_, _, p| {
+                    p[0] += 0.5;
+                    ControlFlow::Continue(())
+                });
+                let end = 65.0 * unit;
+                let run = Equip::stages(4)
+                    .step(unit)
+                    .event(kick)
+                    .integrate(&oscillator, &[1.0], &[0.0], 0.0..=end)
+                    .unwrap();
+                let exact = end.cos() + 0.5 * (end - time).sin();
+                let error = run.last().1[0] - exact;
+                assert!(error.abs() < 1e-8, "{error:e} with {sign} (t − {time})");
+                let certificate = run.certificate();
+                assert_eq!((run.events().len(), certificate.state_changes), (1, 1));
+                let text = certificate.to_string();
+                assert!(text.contains("state changed  "), "{text}");
+                assert!(text.contains("energy after change"), "{text}");
+            }
+        }
+    }
+    // All roots of sin πt, which are such times.
+    for step in [0.1, 0.05, 0.25] {
+        let beat = Event::new("beat", |t: f64, _, _| (std::f64::consts::PI * t).sin());
+        let run = Equip::stages(4).step(step).event(beat);
+        let run = run.integrate(&oscillator, &[1.0], &[0.0], 0.0..=50.5);
+        assert_eq!(run.unwrap().events().len(), 50, "{step}");
+    }
+}

@@ -112,6 +112,9 @@ fn a_drive_may_set_in_like_a_power_of_time() {
 #[test]
 fn a_state_that_overflows_ends_the_run() {
     let free = Hamiltonian::new(1, |_, p| 0.5 * p[0] * p[0]).unwrap();
+    let run = Equip::stages(8).tolerance(1e-12);
+    let run = run.integrate(&free, &[0.0], &[1.0], -f64::MAX..=f64::MAX);
+    assert!(run.unwrap_err().error.to_string().contains("its length"));
     for end in [1e209, 1e250] {
         let run = Equip::stages(8).tolerance(1e-12);
         let failure = run

@@ -94,6 +94,8 @@ class Counts:
     output_steps: int
     #: Steps whose outputs have only order s, because the iteration for the 2s stages failed.
     coarse_outputs: int
+    #: Changes of the state by events and by `set_state`. Errors are relative to the values after each change.
+    state_changes: int
     #: Discontinuities at which a step, or a part of a fixed step, ended.
     discontinuities_crossed: int
 
@@ -118,7 +120,8 @@ class Certificate:
     variable_steps: Optional[VariableSteps]
     start: float
     end: float
-    #: H_ref, the value of H at the start, and H - H_ref over the run; None if not measured.
+    #: H_ref, the value of H at the start or after the last change of the state, and H - H_ref; None if not
+    #: measured.
     energy: Optional[Conserved]
     #: Largest energy error of all steps in round-off levels, if the method solves for α.
     energy_in_round_off_levels: Optional[float]

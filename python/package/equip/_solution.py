@@ -40,7 +40,8 @@ class Solution:
     y
         States, (n, 2m): the components of q.ravel() and then those of p.ravel().
     energy_error
-        H - H_ref, H_ref being H at the start, (n,); empty if not measured.
+        H - H_ref, H_ref being H at the start or after the last change of the state, (n,); empty if not
+        measured.
     outcome
         Outcome of the step that ends at each state, (n,); empty with `t_eval`.
     t_events, y_events

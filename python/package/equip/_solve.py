@@ -28,7 +28,7 @@ _NOT_CONSERVED = 1e-9
 
 
 def _errors(of: Any, shape: Shape, name: str) -> Optional[tuple[list[float], list[float]]]:
-    """`rtol` or `atol` of positions and momenta: a number, or a pair of numbers or arrays shaped like q."""
+    """`rtol` or `atol`: a number or an array shaped like q for positions and momenta, or a pair of such."""
     if of is None:
         return None
     refuse_units(of, name)
@@ -221,8 +221,8 @@ def solve(
         Of variable steps: step sizes, and the largest number of steps.
     rtol, atol
         Of variable steps: `rtol` replaces `tolerance`, component by component; `atol` is an absolute error
-        that is always allowed. A number, or a pair for positions and momenta of numbers or arrays of their
-        shape.
+        that is always allowed. A number or an array of the shape of q for positions and momenta alike, or a
+        tuple of two such, for positions and for momenta.
     precision
         "f64", or "dd" for double-double, 31 digits.
     checkpoint

@@ -41,7 +41,7 @@ class Step:
     #: Positions and momenta, each of the shape of the Hamiltonian.
     q: Floats
     p: Floats
-    #: H - H_ref, H_ref being H at the start; None if not measured.
+    #: H - H_ref, H_ref being H at the start or after the last change; None if not measured.
     energy_error: Optional[float]
     #: α_1 ... α_{s-1}.
     alphas: Floats
@@ -218,8 +218,8 @@ def steps(
         Of variable steps: step sizes, in the unit of time.
     rtol, atol
         Of variable steps: `rtol` replaces `tolerance`, component by component; `atol` is an absolute error
-        that is always allowed. A number, or a pair for positions and momenta of numbers or arrays of their
-        shape.
+        that is always allowed. A number or an array of the shape of q for positions and momenta alike, or a
+        tuple of two such, for positions and for momenta.
     tangent_vectors
         Tangent vectors (δq, δp), flat, (k, 2m) or (2m,), also if H depends on time, propagated by the tangent
         map of the steps;

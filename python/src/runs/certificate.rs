@@ -72,6 +72,7 @@ pub(crate) fn certificate<'py, T: Float>(
         ("halvings", counts.halvings),
         ("output_steps", certificate.output_steps),
         ("coarse_outputs", certificate.coarse_outputs),
+        ("state_changes", certificate.state_changes),
         (
             "discontinuities_crossed",
             certificate.discontinuities_crossed,

@@ -1,6 +1,7 @@
 //! The certificate as JSON: the words of the printed one, numbers with all their digits.
 
 use crate::run::finished::Finished;
+use crate::run::signals;
 use crate::write::csv::digits;
 use crate::write::json::object;
 use equip_integrate::{Conserved, Outcome};
@@ -113,7 +114,11 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             p: Number::new(error.p),
         }),
         seconds: certificate.seconds,
-        error: finished.error.as_ref().map(ToString::to_string),
+        error: (finished.error.as_ref().map(ToString::to_string))
+            .or_else(|| {
+                let signal = signals::caught().filter(|_| finished.run.stopped())?;
+                Some(format!("ended by signal {signal}"))
+            }),
     })
 }
 

@@ -28,6 +28,8 @@ fn killed_and_gone_on(name: &str, signal: &str, arguments: &[&str]) {
     let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
     let program = program.args(with(&out, &save)).arg("--quiet");
     let mut child = program
+        .arg("--json")
+        .stdout(std::process::Stdio::piped())
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
@@ -64,6 +66,9 @@ fn killed_and_gone_on(name: &str, signal: &str, arguments: &[&str]) {
         let words = format!("ended by signal {number} at t = ");
         assert!(message.contains(&words), "{message}");
         assert!(message.contains("the same command resumes"), "{message}");
+        let printed = std::io::read_to_string(child.stdout.take().unwrap()).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&printed).unwrap();
+        assert_eq!(json["error"], format!("ended by signal {number}"));
     }
     let output = equip(
         &with(&out, &save)

@@ -16,7 +16,7 @@ use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of the content of a checkpoint.
-pub(crate) const FORMAT: u32 = 14;
+pub(crate) const FORMAT: u32 = 15;
 
 /// The state of a run after one of its steps. The run can be resumed from it bit for bit.
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint) makes a checkpoint; `resume` and `integrate_from` with

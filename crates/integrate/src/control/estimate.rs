@@ -32,9 +32,9 @@
 //! √tolerance of the size of a component are not resolved further, nor are changes below ε of the largest
 //! component, or change, in the group (positions or momenta): a component that is constant by symmetry
 //! changes by rounding. A component that changes by less than the tolerance of its size is not estimated: no
-//! step need be shorter for it, for any H. If H is smooth, neither is a component that is zero at the start of
-//! a step up to ε^{1/4} of the proposed size. It may begin like τ^k, k > s, which no step resolves, and then
-//! its change is below ε^{s/4} of that in a step of the proposed size.
+//! step need be shorter for it, for any H. If H is smooth, neither is a component that is zero at the start
+//! of a step up to ε^{1/4} of the proposed size. It may begin like τ^k, k > s, which no step resolves, and
+//! then its change is below ε^{s/4} of that in a step of the proposed size.
 //!
 //! If the admissible error of a component differs from the tolerance of its change (`rtol`, `atol`), its
 //! estimate is divided by the ratio of both, together with the factor of the flow.

@@ -162,21 +162,25 @@ impl<T: Float> EventWatch<T> {
         }
     }
 
-    /// The time since the start of the run or the last change of its state.
-    pub(crate) fn since(&self, time: T) -> T {
-        (time - self.start).abs()
-    }
-
-    /// Appends the events in `piece` to `occurrences`. Returns the position in the piece where an event ends
-    /// the run or changes its state. Events within [`CLOSEST`] roundings of the time are simultaneous.
+    /// Appends the events in `piece`, which ends at the time `end`, to `occurrences`. Returns the position in
+    /// the piece where an event ends the run or changes its state. Events within [`CLOSEST`] roundings of the
+    /// time are simultaneous.
     pub(crate) fn see(
         &mut self,
-        piece: &Piece<T>,
+        (piece, end): (&Piece<T>, T),
         occurrences: &mut Vec<Occurrence<T>>,
     ) -> Result<Option<T>, IntegrateError<T>> {
         let m = self.y.len() / 2;
+        // Where one piece ends and the next one begins, g has one value.
+        let time_at = |place: T| {
+            if place == T::int(1) {
+                end
+            } else {
+                piece.time_at(place)
+            }
+        };
         // Positions closer than an ulp of the time are equal.
-        let largest = piece.time.abs().max(piece.time_at(T::int(1)).abs());
+        let largest = piece.time.abs().max(end.abs());
         let resolution =
             (T::EPSILON / T::int(2) * largest / piece.h.abs()).max(T::EPSILON / T::int(4));
         let closest = T::int(2 * CLOSEST) * resolution;
@@ -186,7 +190,7 @@ impl<T: Float> EventWatch<T> {
             let y = &mut self.y;
             let g = |place: T| {
                 piece.state_at(place, y);
-                function.value(piece.time_at(place), &y[..m], &y[m..])
+                function.value(time_at(place), &y[..m], &y[m..])
             };
             let found = self.roots.find(g, resolution);
             found.map_err(|_| IntegrateError::EventTooRough {
@@ -214,7 +218,7 @@ impl<T: Float> EventWatch<T> {
             }
             let wanted = self.roots.found.iter().filter(|(place, rising)| {
                 // A run that starts on a root has not crossed it.
-                let is_crossed = self.direction.is_before(self.start, piece.time_at(*place));
+                let is_crossed = self.direction.is_before(self.start, time_at(*place));
                 let rises = event.direction == Direction::Rising;
                 is_crossed && (event.direction == Direction::Both || rises == *rising)
             });
@@ -228,13 +232,13 @@ impl<T: Float> EventWatch<T> {
             .found
             .iter()
             .filter(|found| acts(&self.events[found.1]));
-        let end = acting.next().map(|&(place, ..)| place);
+        let acts_at = acting.next().map(|&(place, ..)| place);
         self.met.clear();
         for &(place, event, rising) in &self.found {
-            if let Some(end) = end
-                && place >= end - closest
+            if let Some(acts_at) = acts_at
+                && place >= acts_at - closest
             {
-                if place > end + closest {
+                if place > acts_at + closest {
                     break;
                 }
                 if self.met.contains(&event) {
@@ -246,14 +250,14 @@ impl<T: Float> EventWatch<T> {
             let (q, p) = (self.y[..m].to_vec(), self.y[m..].to_vec());
             occurrences.push(Occurrence {
                 event,
-                time: piece.time_at(place),
+                time: time_at(place),
                 q,
                 p,
                 rising,
             });
         }
         self.met.sort_unstable();
-        Ok(end)
+        Ok(acts_at)
     }
 }
 

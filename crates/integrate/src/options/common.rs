@@ -165,7 +165,7 @@ impl<T: Float> Options<T> {
 
     /// Checks the interval, and the output times in it, in the direction of the run.
     pub(crate) fn check_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
-        if !start.is_finite() || !end.is_finite() {
+        if !start.is_finite() || !end.is_finite() || !(end - start).is_finite() {
             return Err(IntegrateError::Interval { start, end });
         }
         let way = TimeDirection::between(start, end).unwrap_or_default();

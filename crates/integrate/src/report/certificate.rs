@@ -30,12 +30,16 @@ pub struct Certificate<T> {
     pub discontinuities_crossed: u64,
     /// The crossings at which the value of H jumps; `None` if there are none.
     pub energy_jumps: Option<EnergyJumps<T>>,
+    /// How often the state was changed, by events or by [`set_state`](crate::Stepper::set_state). Errors are
+    /// relative to the values after each change.
+    pub state_changes: u64,
     /// The time at the start.
     pub start: T,
     /// The time reached.
     pub end: T,
-    /// H at the start and H − H_ref over the run. If H depends on time, the energy supplied from outside is
-    /// subtracted. `None` if the energy was not measured.
+    /// H_ref, which is H at the start or after the last change of the state, and H − H_ref over the run. If
+    /// H depends on time, the energy supplied from outside is subtracted. `None` if the energy was not
+    /// measured.
     pub energy: Option<Conserved<T>>,
     /// The largest |H − H_ref| in units of its round-off level, over all steps that solve for the energy,
     /// corrected or not.
@@ -117,6 +121,15 @@ impl<T: Float> Certificate<T> {
                 );
             }
         }
+        if self.state_changes > 0 {
+            line(
+                "state changed",
+                format!(
+                    "{} times; errors are relative to the values after each change",
+                    self.state_changes
+                ),
+            );
+        }
         if self.discontinuities_crossed > 0 {
             line(
                 "discontinuities",
@@ -135,8 +148,12 @@ impl<T: Float> Certificate<T> {
             let start = energy.start;
             let is_plain =
                 start == T::int(0) || (T::ratio(1, 1000)..T::int(LARGE)).contains(&start.abs());
+            let label = match self.state_changes {
+                0 => "energy at start",
+                _ => "energy after change",
+            };
             line(
-                "energy at start",
+                label,
                 if is_plain {
                     format!("{start}")
                 } else {

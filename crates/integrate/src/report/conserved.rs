@@ -5,13 +5,13 @@ use equip_autodiff::{Evaluator, StateFunction};
 use equip_scalar::Float;
 use equip_solver::Invariant;
 
-/// The difference of a quantity from its initial value.
+/// The difference of a quantity from its value at the start, or after a change of the state.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Conserved<T> {
     /// The name of the quantity.
     pub name: String,
-    /// The initial value, in its own unit.
+    /// The value at the start, or after the last change of the state, in its own unit.
     pub start: T,
     /// The largest absolute error over all steps.
     pub max: T,

@@ -89,4 +89,12 @@ impl<T: Float> VariableSteps<T> {
             failed: 0,
         }
     }
+
+    /// Sizes of zero if there is no step.
+    pub(crate) fn of_steps(self) -> Self {
+        VariableSteps {
+            smallest: self.smallest.min(self.largest),
+            ..self
+        }
+    }
 }

@@ -32,6 +32,8 @@ pub(crate) struct Measured<T: Float> {
     pub(crate) has_tangent: bool,
     /// The number of crossings of discontinuities at which a step, or a part of a step, ended.
     pub(crate) discontinuities_crossed: u64,
+    /// How often the state was changed, and the time of the last change, or of the start.
+    pub(crate) state_changes: (u64, T),
     pub(crate) energy_jumps: Option<EnergyJumps<T>>,
     /// The statistics of variable steps.
     pub(crate) variable: Option<VariableSteps<T>>,
@@ -74,6 +76,7 @@ impl<T: Float> Measured<T> {
             frequency: Frequency::new(system),
             has_tangent: false,
             discontinuities_crossed: 0,
+            state_changes: (0, zero),
             energy_jumps: None,
             variable: None,
         }
@@ -83,6 +86,7 @@ impl<T: Float> Measured<T> {
     pub(crate) fn restart(&mut self, t0: T, h_ref: T, (y, gradient): (&[T], &[T])) {
         let zero = T::int(0);
         (self.discontinuities_crossed, self.energy_jumps) = (0, None);
+        self.state_changes = (0, t0);
         self.alpha_range.fill((zero, zero));
         self.in_levels = self.is_solved.then_some(zero);
         let is_measured = self.is_solved || self.is_evaluated;
@@ -97,6 +101,7 @@ impl<T: Float> Measured<T> {
     /// Sets the references of energy and invariants to their values at `y` and `t`, where H is `h_ref`.
     pub(crate) fn refer_to(&mut self, t: T, h_ref: T, y: &[T]) {
         self.round_off = None;
+        self.state_changes = (self.state_changes.0 + 1, t);
         if let Some(seen) = &mut self.energy_round_off {
             seen.scale = seen.scale.max(h_ref.abs());
         }

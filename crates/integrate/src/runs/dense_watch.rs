@@ -59,8 +59,7 @@ impl<T: Float> DenseWatch<T> {
         time_low: T,
         run: &mut Run<T>,
     ) -> Result<Option<EventsAt<'_, T>>, IntegrateError<T>> {
-        let ends = stepper.parts().iter().skip(1).map(|next| next.time);
-        let ends: Vec<T> = ends.chain(std::iter::once(stepper.time)).collect();
+        let ends: Vec<T> = stepper.times_of_ends().collect();
         for (i, end) in ends.into_iter().enumerate() {
             let is_due = |&t: &T| stepper.direction.is_before(t, end);
             let due = self.times.get(self.done).is_some_and(is_due);
@@ -74,7 +73,7 @@ impl<T: Float> DenseWatch<T> {
             let (piece, is_refined) = self.refiner.refine((method, part), time_low, end_state);
             run.certificate.coarse_outputs += u64::from(!is_refined);
             let stop = match &mut self.events {
-                Some(events) => events.see(&piece, &mut run.occurrences)?,
+                Some(events) => events.see((&piece, end), &mut run.occurrences)?,
                 None => None,
             };
             let (Some(place), Some(events)) = (stop, &mut self.events) else {

@@ -90,10 +90,10 @@ impl<T: Float> StepEvents<T> {
             time_low = T::int(0);
         }
         let mut ended = None;
-        for (part, end) in stepper.parts_to_ends() {
+        for ((part, state), end) in stepper.parts_to_ends().zip(stepper.times_of_ends()) {
             let method = stepper.core.method();
-            let (piece, _) = self.refiner.refine((method, part), time_low, end);
-            if let Some(place) = self.events.see(&piece, &mut self.found)? {
+            let (piece, _) = self.refiner.refine((method, part), time_low, state);
+            if let Some(place) = self.events.see((&piece, end), &mut self.found)? {
                 ended = Some((part.clone(), piece, place));
                 break;
             }

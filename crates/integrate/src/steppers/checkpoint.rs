@@ -146,6 +146,9 @@ fn remember_measured<T: Float>(measured: &mut Measured<T>, memory: &mut Memory<'
     });
     measured.discontinuities_crossed =
         memory.count::<T>("the discontinuities", measured.discontinuities_crossed);
+    let (changes, changed) = &mut measured.state_changes;
+    *changes = memory.count::<T>("the changes of the state", *changes);
+    memory.finite("the last change of the state", from_mut(changed));
     let count = measured.energy_jumps.map_or(0, |jumps| jumps.count);
     let count = memory.count::<T>("the number of jumps of H", count);
     let largest = measured.energy_jumps.map(|jumps| jumps.largest);

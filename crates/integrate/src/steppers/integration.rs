@@ -6,6 +6,7 @@ use crate::error::IntegrateError;
 use crate::options::common::Words;
 use crate::options::method::Method;
 use crate::report::certificate::Certificate;
+use crate::report::entries::VariableSteps;
 use crate::report::measured::{LastStep, Measured};
 use crate::report::stopwatch::Stopwatch;
 use crate::steppers::domains::WithinDomains;
@@ -106,6 +107,12 @@ impl<T: Float> Integration<T> {
     pub(crate) fn parts_to_ends(&self) -> impl Iterator<Item = (&Part<T>, &State<T>)> {
         let starts = self.parts().iter().map(|part| &part.start);
         (self.parts().iter()).zip(starts.skip(1).chain(std::iter::once(&self.y)))
+    }
+
+    /// The times at the ends of these parts.
+    pub(crate) fn times_of_ends(&self) -> impl Iterator<Item = T> {
+        let starts = self.parts().iter().map(|part| part.time);
+        starts.skip(1).chain(std::iter::once(self.time))
     }
 
     /// Attempts a step of size `h`, which may still be rejected.
@@ -222,9 +229,10 @@ impl<T: Float> Integration<T> {
                 Some(h) => self.direction.signed(h),
                 None => self.mean_step(),
             },
-            variable_steps: measured.variable,
+            variable_steps: measured.variable.map(VariableSteps::of_steps),
             discontinuities_crossed: measured.discontinuities_crossed,
             energy_jumps: measured.energy_jumps,
+            state_changes: measured.state_changes.0,
             start: self.t0,
             end: self.time,
             energy: measured.energy.clone(),

@@ -70,7 +70,7 @@ impl<T: Float> Stepper<T> {
             return Ok(ControlFlow::Break(y));
         }
         let (q, p) = y.split_at(y.len() / 2);
-        let since = events.since(time);
+        let since = (time - self.inner.measured.state_changes.1).abs();
         let moved = self.inner.move_to(q, p, time).and_then(|()| {
             self.inner.time = time;
             self.control.at_another_time(&mut self.inner, since)

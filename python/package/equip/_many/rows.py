@@ -31,7 +31,7 @@ class Ensemble:
     #: Positions and momenta at the end, (N, *shape).
     q: Floats
     p: Floats
-    #: Largest |H - H_ref|, H_ref being H at the start, of each run, (N,).
+    #: Largest |H - H_ref|, H_ref being H at the start or after the last change, of each run, (N,).
     energy_error: Floats
     #: Whether every step of the run conserved the energy to round-off, (N,).
     energy_conserved: NDArray[np.bool_]
