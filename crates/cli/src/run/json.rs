@@ -78,6 +78,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         outcomes: outcomes,
         // Steps whose energy error was left, for whatever reason.
         uncorrected: counts.uncorrected(),
+        state_changes: certificate.state_changes,
         discontinuities_crossed: certificate.discontinuities_crossed,
         energy_jumps: certificate.energy_jumps.map(|jumps| object! {
             count: jumps.count,

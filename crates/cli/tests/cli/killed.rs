@@ -26,9 +26,8 @@ fn killed_and_gone_on(name: &str, signal: &str, arguments: &[&str]) {
         "0.05",
     ];
     let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
-    let program = program.args(with(&out, &save)).arg("--quiet");
+    let program = program.args(with(&out, &save)).arg("--json");
     let mut child = program
-        .arg("--json")
         .stdout(std::process::Stdio::piped())
         .stderr(std::process::Stdio::piped())
         .spawn()
