@@ -230,7 +230,10 @@ fn kicks_at_the_ends_of_fixed_steps() {
                 let certificate = run.certificate();
                 assert_eq!((run.events().len(), certificate.state_changes), (1, 1));
                 let text = certificate.to_string();
-                assert!(text.contains("state changed  "), "{text}");
+                assert!(
+                    text.contains("1; errors are relative to the values after each"),
+                    "{text}"
+                );
                 assert!(text.contains("energy after change"), "{text}");
             }
         }

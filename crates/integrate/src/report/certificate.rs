@@ -123,9 +123,9 @@ impl<T: Float> Certificate<T> {
         }
         if self.state_changes > 0 {
             line(
-                "state changed",
+                "changes of the state",
                 format!(
-                    "{} times; errors are relative to the values after each change",
+                    "{}; errors are relative to the values after each",
                     self.state_changes
                 ),
             );
