@@ -59,9 +59,8 @@ pub(crate) const GOOD_ENOUGH: i64 = 8;
 /// In parts of a step shorter than one over this, event functions may be noise. The first step is at least
 /// this part of the turning time. // ratio; the same runs are alike with 16 and 256
 pub(crate) const SHORT: i64 = 64;
-/// H is compared on both sides of a switch at a distance of one over this of a step. // ratio; at tolerance
-/// 1e-4 the end of a step is 1e-7 of the step away from the switch; jumps down to 1e-5 of the second-order
-/// change of H in a step are detected.
+/// H is compared on both sides of a switch at one, two and three times this part of a step, which is one over
+/// it. // ratio; at tolerance 1e-4 the end of a step is 1e-7 of the step away from the switch; docs/adr/0017
 pub(crate) const BESIDE: i64 = 1 << 16;
 /// In the time average of an energy the last part of a run has this many times the weight that it has in the
 /// plain average. // ratio; the first half of a run has 1/256 of the weight, with 4 1/16

@@ -38,6 +38,8 @@ pub(crate) struct AdaptiveSteps<T: Float> {
     pub(super) products: [Vec<T>; 2],
     /// `None` if H is smooth, as far as is known.
     pub(super) crossings: Option<Crossings<T>>,
+    /// Whether the trace of H tells that it is smooth.
+    pub(super) is_smooth: bool,
     pub(super) first: FirstSize<T>,
     pub(super) first_step: Option<T>,
     /// The largest size of the first step.
@@ -69,7 +71,7 @@ impl<T: Float> AdaptiveSteps<T> {
         // first size may be any number, since a tiny force turns the motion late: the interval limits it.
         let largest = self.place(run, size, end).size.min(T::exact(size));
         let least = self.min_step.max(largest * T::EPSILON * T::EPSILON);
-        if self.crossings.is_none() {
+        if self.is_smooth {
             self.decay.from_zero = largest * T::EPSILON.sqrt().sqrt();
         }
         // `proposed` is the size without regard to switches, `longest` the largest next size after knots or

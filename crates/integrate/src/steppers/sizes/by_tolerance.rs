@@ -34,6 +34,8 @@ impl<T: Float> AdaptiveSteps<T> {
             run.core.defer_alphas();
         }
         Ok(AdaptiveSteps {
+            // An external energy has no trace.
+            is_smooth: crossings.is_none() && system.operations() > 0,
             crossings,
             control: Control::new(tolerance.to_f64(), method.degree(), most),
             decay: Decay::new(run.core.method(), (n, run.m), tolerance, allowed),
